@@ -1,4 +1,8 @@
-//! Color: the sRGB transfer function at the border, luminance inside. Twin of `shaders/color.wgsl`.
+//! Color: the sRGB transfer function and primaries at the border, luminance inside. Twin of `shaders/color.wgsl`.
+
+mod primaries;
+
+pub use primaries::Primaries;
 
 use glam::{Mat3, Vec3};
 use std::sync::LazyLock;

@@ -1,6 +1,7 @@
 //! Textures: the encoded file, its decoded texels, and lookup: bilinear at a point, over levels of detail within the
 //! footprint of a sample.
 
+mod color_space;
 mod footprint;
 mod levels;
 mod procedural;
@@ -8,6 +9,7 @@ mod reduction;
 mod slopes;
 mod wrap;
 
+pub use color_space::ColorSpace;
 pub use footprint::{MOST_TAPS, TEXELS_PER_WIDTH, Taps, UvFootprint};
 pub use levels::{Level, Levels};
 pub use procedural::{NOISE_CELLS, Pattern, Procedural};
@@ -19,17 +21,6 @@ use crate::color::{LARGEST_HALF, in_rec_709, linear_from_codes, linear_from_deep
 use glam::{Mat2, Mat3, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// Conversion of texels to parameter values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ColorSpace {
-    /// Colors: texels of 8 and 16 bits are sRGB encoded, and float texels have the primaries of their file.
-    Srgb,
-    /// Texels are linear values as they are: roughness, normals, heights.
-    #[default]
-    Linear,
-}
 
 /// The component that a scalar parameter reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,7 +54,7 @@ pub enum UvSet {
 pub struct TextureSlot {
     /// Index into the scene's textures.
     pub texture: u32,
-    /// Color space of 8-bit and 16-bit texels.
+    /// How its texels are read.
     pub color_space: ColorSpace,
     /// Component for scalar parameters; colors and normals read RGB.
     pub channel: Channel,
@@ -197,21 +188,45 @@ impl Texels {
     #[inline]
     pub fn at(&self, index: usize, color_space: ColorSpace) -> Vec4 {
         match (self, color_space) {
-            (Self::F32(t), _) | (Self::Wide { texels: t, .. }, ColorSpace::Linear) => Vec4::from_array(t[index]),
-            (Self::Wide { texels, to_rec_709 }, ColorSpace::Srgb) => {
-                let [r, g, b, a] = texels[index];
-                in_rec_709(*to_rec_709, Vec3::new(r, g, b)).extend(a)
-            }
-            (Self::U8(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
+            (Self::F32(t), ColorSpace::Srgb) => Vec4::from_array(t[index]),
             (Self::U8(t), ColorSpace::Srgb) => {
                 let [r, g, b, a] = t[index];
                 linear_from_codes([r, g, b]).extend(f32::from(a) / 255.0)
             }
-            (Self::U16(t), ColorSpace::Linear) => Vec4::from_array(t[index].map(|c| f32::from(c) / 65_535.0)),
             (Self::U16(t), ColorSpace::Srgb) => {
                 let [r, g, b, a] = t[index];
                 linear_from_deep_codes([r, g, b]).extend(f32::from(a) / 65_535.0)
             }
+            (Self::Wide { to_rec_709, .. }, ColorSpace::Srgb) => converted(*to_rec_709, self.value(index)),
+            (_, ColorSpace::Linear) => self.value(index),
+            (_, other) => match other.to_rec_709() {
+                Some(to_rec_709) => converted(to_rec_709, self.value(index)),
+                None => self.value(index),
+            },
+        }
+    }
+
+    /// The texel at an index as it is; codes from 0 to 1.
+    #[inline]
+    fn value(&self, index: usize) -> Vec4 {
+        match self {
+            Self::F32(t) | Self::Wide { texels: t, .. } => Vec4::from_array(t[index]),
+            Self::U8(t) => Vec4::from_array(t[index].map(|c| f32::from(c) / 255.0)),
+            Self::U16(t) => Vec4::from_array(t[index].map(|c| f32::from(c) / 65_535.0)),
+        }
+    }
+
+    /// Whether texels that are read in this color space stay codes of 8 bits on the device and in levels; all others
+    /// become floats.
+    pub fn keeps_codes(&self, color_space: ColorSpace) -> bool {
+        matches!((self, color_space), (Self::U8(_), ColorSpace::Srgb | ColorSpace::Linear))
+    }
+
+    /// The color space in which its levels are kept: floats are the same as colors and as values.
+    pub fn distinct(&self, color_space: ColorSpace) -> ColorSpace {
+        match (self, color_space) {
+            (Self::F32(_), ColorSpace::Srgb) => ColorSpace::Linear,
+            _ => color_space,
         }
     }
 
@@ -241,6 +256,11 @@ impl Texels {
         let repair = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(-Self::MOST, Self::MOST) };
         texels.iter_mut().filter(is_wrong).map(|texel| *texel = texel.map(repair)).count()
     }
+}
+
+/// A texel with its color in Rec. 709.
+fn converted(to_rec_709: Mat3, texel: Vec4) -> Vec4 {
+    in_rec_709(to_rec_709, texel.truncate()).extend(texel.w)
 }
 
 /// The four texels around a point.
@@ -330,7 +350,7 @@ impl Texture {
         let (finer, blend) = (level as usize, level.fract());
         let at = |level: usize, uv| match level.checked_sub(1).map(|below| &levels[below]) {
             None => self.sample(uv, color_space, wrap),
-            Some(level) => level.texels.bilinear(level.size, uv, color_space, wrap),
+            Some(level) => level.texels.bilinear(level.size, uv, level.color_space, wrap),
         };
         let blended = |uv| {
             let fine = at(finer, uv);
@@ -464,6 +484,42 @@ mod tests {
         assert_eq!(last(&wide, ColorSpace::Srgb), [0.25, 0.5, 0.5, 1.0]);
         assert_eq!(last(&wide, ColorSpace::Linear), [0.5, 0.25, 0.5, 1.0]);
         assert_eq!(wide.mean(ColorSpace::Srgb).to_array(), [0.25, 0.5, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn a_slot_can_give_primaries_to_texels_of_any_depth_at_every_level() {
+        // Computed apart with the matrices of ACES TB-2014-004 and Bradford, for (0.2, 0.6, 0.1).
+        let right = Vec3::new(-0.0404, 0.6574, 0.0331);
+        let gray = Vec4::new(0.5, 0.5, 0.5, 1.0);
+        let other = Mat3::from_cols(Vec3::Y, Vec3::X, Vec3::Z);
+        let color = [0.2, 0.6, 0.1, 1.0];
+        for texels in [
+            Texels::U8(vec![[51, 153, 26, 255], [51, 153, 26, 255]]),
+            Texels::U16(vec![[13107, 39321, 6554, 65535]; 2]),
+            Texels::F32(vec![color; 2]),
+            Texels::Wide { texels: vec![color; 2], to_rec_709: other },
+        ] {
+            let t = Texture::new("t", [2, 1], texels);
+            let level = &t.levels(ColorSpace::AcesCg)[0];
+            let at = UvFootprint { uv: Vec2::new(0.5, 0.5), changes: [Vec2::X, Vec2::Y] };
+            let slot = TextureSlot { color_space: ColorSpace::AcesCg, ..Default::default() };
+            let found = [
+                t.texel(0, 0, ColorSpace::AcesCg),
+                level.texels.at(0, level.color_space),
+                t.mean(ColorSpace::AcesCg),
+                t.sample_footprint(&at, &slot),
+            ];
+            for (i, found) in found.into_iter().enumerate() {
+                assert!((found.truncate() - right).abs().max_element() < 3e-3, "{:?} {i}: {found}", t.texels);
+            }
+            let values = t.texel(0, 0, ColorSpace::Linear).truncate();
+            assert!((values - right).abs().max_element() > 0.05, "negative control");
+        }
+        let t = Texture::new("t", [1, 1], Texels::F32(vec![gray.to_array()]));
+        for space in ColorSpace::ALL {
+            assert!((t.texel(0, 0, space) - gray).abs().max_element() < 1e-5, "{space:?}");
+            assert_eq!(ColorSpace::ALL[space as usize], space, "in order");
+        }
     }
 
     #[test]

@@ -103,7 +103,8 @@ impl Checked {
     }
 
     fn environment(&mut self, loaded: &LoadedSession) {
-        self.kept(environment::from_spec(&loaded.session.environment.spec));
+        let settings = &loaded.session.environment;
+        self.kept(environment::from_spec_in(&settings.spec, settings.color_space));
     }
 
     fn kept<T>(&mut self, read: Result<T, impl std::fmt::Display>) -> Option<T> {

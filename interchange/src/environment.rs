@@ -5,6 +5,7 @@ use glam::Vec3;
 use lapidary_core::{
     environment::{Environment, MOST_RADIANCE, constant, orientation, studio, sun_and_sky},
     image::{Image, ImageError},
+    texture::ColorSpace,
 };
 use std::path::Path;
 use thiserror::Error;
@@ -28,12 +29,13 @@ pub enum EnvironmentError {
     },
 }
 
-/// Reads an hdr or exr file, or, with a warning, a png, jpg or tga. Also returns the repairs, in sentences.
+/// Reads an hdr or exr file, or, with a warning, a png, jpg or tga, with its colors in this space. Also returns the
+/// repairs, in sentences.
 ///
 /// # Errors
 /// A file that is unreadable or not a picture.
-pub fn read(path: &Path) -> Result<(Environment, Vec<String>), EnvironmentError> {
-    let map = image::read(path)?;
+pub fn read(path: &Path, color_space: ColorSpace) -> Result<(Environment, Vec<String>), EnvironmentError> {
+    let map = image::read_in(path, color_space)?;
     let mut warnings = Vec::new();
     if !PictureFormat::is_of_light(path) {
         warnings.push(
@@ -47,11 +49,19 @@ pub fn read(path: &Path) -> Result<(Environment, Vec<String>), EnvironmentError>
 }
 
 /// Makes an environment from `constant[:R,G,B]`, `sun-sky[:elevation in degrees]`, `studio` or `orientation`, or reads
-/// the file at that path. Also returns the repairs, in sentences.
+/// the file at that path, with the colors that the file says to have. Also returns the repairs, in sentences.
 ///
 /// # Errors
 /// A formula with invalid arguments, or an unreadable path.
 pub fn from_spec(spec: &str) -> Result<(Environment, Vec<String>), EnvironmentError> {
+    from_spec_in(spec, ColorSpace::Srgb)
+}
+
+/// The same as [`from_spec`] with the colors of a file in this space. Formulas are in Rec. 709.
+///
+/// # Errors
+/// A formula with invalid arguments, or an unreadable path.
+pub fn from_spec_in(spec: &str, color_space: ColorSpace) -> Result<(Environment, Vec<String>), EnvironmentError> {
     let (formula, arguments) = match spec.split_once(':') {
         Some((formula, arguments)) => (formula, Some(arguments)),
         None => (spec, None),
@@ -64,7 +74,7 @@ pub fn from_spec(spec: &str) -> Result<(Environment, Vec<String>), EnvironmentEr
         ("orientation", None) => Ok(orientation()),
         ("studio" | "orientation", Some(_)) => Err(format!("{formula} takes no numbers")),
         _ if Path::new(spec).exists() || Path::new(spec).extension().is_some() => {
-            return read(Path::new(spec));
+            return read(Path::new(spec), color_space);
         }
         _ => Err("there is no such environment".into()),
     };
@@ -116,10 +126,26 @@ mod tests {
     #[test]
     fn black_low_range_and_oddly_shaped_maps_are_reported() {
         let (_folder, path) = written(&Image::filled([5, 5], Vec3::ZERO), "black.png");
-        let warnings = read(&path).unwrap().1.join("\n");
+        let warnings = read(&path, ColorSpace::Srgb).unwrap().1.join("\n");
         for part in ["low dynamic range", "black", "5 x 5"] {
             assert!(warnings.contains(part), "{warnings}");
         }
+    }
+
+    #[test]
+    fn the_colors_of_a_map_that_says_nothing_are_in_the_space_that_is_asked_for() {
+        let (_folder, path) = written(&Image::filled([8, 4], Vec3::new(0.2, 0.6, 0.1)), "plain.hdr");
+        let spec = path.display().to_string();
+        let first = |space| from_spec_in(&spec, space).unwrap().0.map.pixels[0];
+        // Computed apart with the matrices of ACES TB-2014-004 and Bradford; negative radiance is removed.
+        let right = Vec3::new(0.0, 0.6574, 0.0331);
+        let found = first(ColorSpace::AcesCg);
+        assert!((found - right).abs().max_element() < 5e-3, "{found}");
+        for plain in [first(ColorSpace::Srgb), first(ColorSpace::Linear), from_spec(&spec).unwrap().0.map.pixels[0]] {
+            assert!((plain - right).abs().max_element() > 0.05, "negative control: {plain}");
+        }
+        let gray = |space| from_spec_in("constant:0.5", space).unwrap().0.map.pixels[0];
+        assert_eq!(gray(ColorSpace::AcesCg), gray(ColorSpace::Srgb), "formulas are in Rec. 709");
     }
 
     #[test]
@@ -134,7 +160,7 @@ mod tests {
         {
             let path = folder.path().join(name);
             write_atomically(&path, bytes).unwrap();
-            let message = read(&path).unwrap_err().to_string();
+            let message = read(&path, ColorSpace::Srgb).unwrap_err().to_string();
             assert!(message.ends_with(&format!("({})", path.display())), "{message}");
         }
     }

@@ -15,6 +15,6 @@ mod tests;
 
 pub use layers::{Layer, LayeredImage, MetaValue, Metadata, read_layer};
 pub use picture_format::PictureFormat;
-pub use read::{Footprint, decode, decode_with, dimensions, footprint, read, read_texture};
+pub use read::{Footprint, decode, decode_with, dimensions, footprint, read, read_in, read_texture};
 pub(crate) use write::srgb_bytes;
 pub use write::{encode_png, encode_png_pixels, write, write_with};

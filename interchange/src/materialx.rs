@@ -8,6 +8,7 @@
 //! Texture coordinates begin at the bottom of a picture in MaterialX, and at the top here; `placement` converts them.
 
 mod candidates;
+mod color_spaces;
 mod estimate;
 mod graph;
 mod include;

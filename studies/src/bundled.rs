@@ -2,7 +2,7 @@
 
 use crate::terminal::Console;
 use anyhow::{Result, bail};
-use lapidary_core::environment::Environment;
+use lapidary_core::{environment::Environment, texture::ColorSpace};
 use lapidary_interchange::environment;
 use std::{
     iter,
@@ -73,7 +73,8 @@ impl DataFolder {
     /// # Errors
     /// An unreadable file.
     pub fn environment(&self, name: &str, console: Console) -> Result<Environment> {
-        let (environment, warnings) = environment::read(&self.environment_folder().join(name).with_extension("hdr"))?;
+        let (environment, warnings) =
+            environment::read(&self.environment_folder().join(name).with_extension("hdr"), ColorSpace::Srgb)?;
         warnings.iter().for_each(|w| console.warning(w));
         Ok(Environment::new(name.into(), environment.map))
     }

@@ -10,12 +10,13 @@ use super::{
 use crate::color::srgb_from_linear;
 use std::sync::OnceLock;
 
-/// A level: its size and its texels, encoded like the texture's if it has 8 bits; levels of 16-bit texels are linear
-/// floats.
+/// A level: its size and its texels, encoded like the texture's if it has 8 bits; others are linear floats in Rec. 709.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// Size in texels.
     pub size: [u32; 2],
+    /// How its texels are read.
+    pub color_space: ColorSpace,
     /// The texels, row by row from the top.
     pub texels: Texels,
 }
@@ -23,8 +24,7 @@ pub struct Level {
 /// The levels below a texture, built on first use. A copy builds its own, because its texels may change.
 #[derive(Default)]
 pub struct Levels {
-    srgb: OnceLock<Vec<Level>>,
-    linear: OnceLock<Vec<Level>>,
+    values: [OnceLock<Vec<Level>>; ColorSpace::ALL.len()],
     slopes: [OnceLock<Vec<SlopeLevel>>; SlopeSource::COUNT],
 }
 
@@ -41,27 +41,27 @@ impl std::fmt::Debug for Levels {
 }
 
 impl Texture {
-    /// The levels below it, from half its size down to one texel, with codes read and 8-bit levels written in this
-    /// encoding.
+    /// The levels below it, from half its size down to one texel, of its texels in this color space.
     pub fn levels(&self, color_space: ColorSpace) -> &[Level] {
-        let is_srgb = color_space == ColorSpace::Srgb && !matches!(self.texels, Texels::F32(_));
-        let cell = if is_srgb { &self.levels.srgb } else { &self.levels.linear };
-        cell.get_or_init(|| self.reduced_levels(if is_srgb { ColorSpace::Srgb } else { ColorSpace::Linear }))
+        let color_space = self.texels.distinct(color_space);
+        self.levels.values[color_space as usize].get_or_init(|| self.reduced_levels(color_space))
     }
 
     fn reduced_levels(&self, color_space: ColorSpace) -> Vec<Level> {
         let mut above = self.size;
         let count = self.size[0] as usize * self.size[1] as usize;
         let mut texels: Vec<[f32; 4]> = (0..count).map(|i| self.texels.at(i, color_space).to_array()).collect();
-        let is_float = !matches!(self.texels, Texels::U8(_));
+        let keeps_codes = self.texels.keeps_codes(color_space);
         let level = |size| {
             texels = reduced(&texels, above, size);
             above = size;
-            let texels = match is_float {
-                true => Texels::F32(texels.clone()),
-                false => Texels::U8(texels.iter().map(|&texel| encoded(texel, color_space)).collect()),
-            };
-            Level { size, texels }
+            match keeps_codes {
+                true => {
+                    let texels = texels.iter().map(|&texel| encoded(texel, color_space)).collect();
+                    Level { size, color_space, texels: Texels::U8(texels) }
+                }
+                false => Level { size, color_space: ColorSpace::Linear, texels: Texels::F32(texels.clone()) },
+            }
         };
         level_sizes(self.size).map(level).collect()
     }

@@ -69,10 +69,10 @@ impl EditorState {
                 self.picture.render.reload();
                 continue;
             }
-            let spec = &self.work.document.environment.spec;
-            let source = if self.work.document.environment.file() == Some(&path) {
-                self.environments.forget_picture(spec);
-                Source::Environment(spec.clone())
+            let environment = &self.work.document.environment;
+            let source = if environment.file() == Some(&path) {
+                self.environments.forget_picture(&environment.spec);
+                Source::Environment { spec: environment.spec.clone(), color_space: environment.color_space }
             } else if self.work.document.scene.as_ref() == Some(&path) {
                 let allow_outside = self.work.preferences.outside.allow(&path);
                 let scene = self.work.document.scene_in_file.clone();

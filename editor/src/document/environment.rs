@@ -1,6 +1,6 @@
 //! The settings of the environment.
 
-use lapidary_core::environment::SunSettings;
+use lapidary_core::{environment::SunSettings, texture::ColorSpace};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -10,6 +10,8 @@ use std::path::Path;
 pub struct EnvironmentSettings {
     /// The path of a map, or a formula as `Environment::from_spec` reads it.
     pub spec: String,
+    /// Color space of a map's file.
+    pub color_space: ColorSpace,
     /// Turn in degrees, counter-clockwise seen from +Y.
     pub rotation_degrees: f32,
     /// Scales radiance; 0 or more.
@@ -64,6 +66,7 @@ impl Default for EnvironmentSettings {
     fn default() -> Self {
         Self {
             spec: "studio".into(),
+            color_space: ColorSpace::Srgb,
             rotation_degrees: 0.0,
             intensity: 1.0,
             orientation: Orientation::default(),
@@ -73,6 +76,11 @@ impl Default for EnvironmentSettings {
 }
 
 impl EnvironmentSettings {
+    /// The same settings with another map or formula, whose file says what its colors are.
+    pub fn with_map(&self, spec: &str) -> Self {
+        Self { spec: spec.into(), color_space: ColorSpace::Srgb, ..self.clone() }
+    }
+
     /// The total rotation in radians.
     pub fn rotation(&self) -> f32 {
         (self.rotation_degrees + self.orientation.yaw_degrees()).to_radians()

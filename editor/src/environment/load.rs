@@ -27,10 +27,10 @@ impl Environments {
 
     /// Loads the document's map, unless that was tried already.
     pub fn load(&mut self, work: &Workspace, loader: &mut Loader) {
-        let spec = &work.document.environment.spec;
-        if self.asked.as_ref() != Some(spec) {
-            self.asked = Some(spec.clone());
-            loader.load(Topic::Environment, Source::Environment(spec.clone()));
+        let EnvironmentSettings { spec, color_space, .. } = work.document.environment.clone();
+        if self.asked.as_ref() != Some(&(spec.clone(), color_space)) {
+            self.asked = Some((spec.clone(), color_space));
+            loader.load(Topic::Environment, Source::Environment { spec, color_space });
         }
     }
 
@@ -85,6 +85,6 @@ impl Environments {
 
 /// Lights the scene with a map or formula, as a step of undo.
 fn use_environment(work: &mut Workspace, spec: &str) {
-    let environment = EnvironmentSettings { spec: spec.into(), ..work.document.environment.clone() };
+    let environment = work.document.environment.with_map(spec);
     work.do_step(Edit::Environment(environment), "Environment");
 }

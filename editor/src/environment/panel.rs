@@ -15,7 +15,7 @@ use crate::{
     document::{Document, Edit, EnvironmentSettings, Orientation, SunChoice},
     widgets::{
         Edited, Number, check_row, choice_row, color_row, edit_row,
-        entries::{Decades, combo_row, decades_row},
+        entries::{Decades, GIVEN_SPACES, combo_row, decades_row},
         section, slider_row,
     },
 };
@@ -26,6 +26,7 @@ use lapidary_core::{
     environment::{Environment, Sun},
     ground::Ground,
     light_tree::LightTree,
+    texture::ColorSpace,
 };
 use lapidary_render::SceneLighting;
 use std::sync::Arc;
@@ -67,6 +68,7 @@ pub fn show(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentCont
         ui.label(RichText::new(message).color(ui.visuals().warn_fg_color));
     }
     placement(ui, &context.document.environment, actions);
+    color_space(ui, &context.document.environment, actions);
     formula(ui, &context.document.environment, actions);
     section(ui, "Sun", true, |ui| sun(ui, context, actions));
     section(ui, "Ground", true, |ui| ground(ui, context, actions));
@@ -104,6 +106,21 @@ fn placement(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>
     ];
     edit_row(actions, "Orientation", light, Edit::Environment, |l| {
         choice_row(ui, "Orientation", "Direction of the center of the map.", &mut l.orientation, &orientations)
+    });
+}
+
+/// The color space of a map, with what its file says first.
+fn color_space(ui: &mut Ui, light: &EnvironmentSettings, actions: &mut Vec<Action>) {
+    if light.file().is_none() {
+        return;
+    }
+    let mut spaces = vec![
+        (ColorSpace::Srgb, "Of the file", "The primaries that the file names, else Rec. 709; 8 bits are sRGB encoded."),
+        (ColorSpace::Linear, "Linear Rec. 709", "Linear colors in Rec. 709, whatever the file says."),
+    ];
+    spaces.extend(GIVEN_SPACES);
+    edit_row(actions, "Color space of the environment", light, Edit::Environment, |l| {
+        combo_row(ui, "Color space", "The colors of the map's file.", &mut l.color_space, &spaces)
     });
 }
 

@@ -3,7 +3,7 @@
 use super::panel::EnvironmentPanel;
 use crate::{document::library::EnvironmentLibrary, environment::panel::thumbnail, jobs::thumbnails::Thumbnails};
 use egui::{Context, TextureHandle, TextureOptions};
-use lapidary_core::environment::Environment;
+use lapidary_core::{environment::Environment, texture::ColorSpace};
 use lapidary_interchange::environment;
 use lapidary_studies::jobs::Wake;
 use std::{collections::HashMap, sync::Arc};
@@ -18,8 +18,8 @@ pub struct Environments {
     /// Maps to choose from.
     pub library: EnvironmentLibrary,
     pub loaded: Option<Arc<Environment>>,
-    /// The specification requested last.
-    pub asked: Option<String>,
+    /// The specification requested last, and the color space of its file.
+    pub asked: Option<(String, ColorSpace)>,
     /// Why the document's map is not in use.
     pub problem: Option<String>,
     pub thumbnails: Thumbnails,

@@ -5,7 +5,13 @@ mod kind;
 pub use kind::{Kind, foreign, kind_of};
 
 use super::Imported;
-use lapidary_core::{brdf::Content, environment::Environment, material::Material, scene::Scene, texture::Texture};
+use lapidary_core::{
+    brdf::Content,
+    environment::Environment,
+    material::Material,
+    scene::Scene,
+    texture::{ColorSpace, Texture},
+};
 use lapidary_interchange::{
     environment, image,
     import::{ImportError, ImportOptions, load_material, materials_in_file},
@@ -43,8 +49,13 @@ pub enum Topic {
 /// The source to open.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// A path or formula, as [`environment::from_spec`] reads it.
-    Environment(String),
+    /// A map or formula, as [`environment::from_spec_in`] reads it.
+    Environment {
+        /// A path or formula.
+        spec: String,
+        /// Color space of a file.
+        color_space: ColorSpace,
+    },
     /// A scene file that has changed.
     Scene {
         /// Which.
@@ -70,7 +81,7 @@ pub enum Source {
 impl Source {
     fn path(&self) -> Option<PathBuf> {
         match self {
-            Self::Environment(_) => None,
+            Self::Environment { .. } => None,
             Self::Scene { path, .. } | Self::Texture(path) | Self::Brdf(path) | Self::Material { path, .. } => {
                 Some(path.clone())
             }
@@ -187,8 +198,8 @@ impl Loader {
 
 fn open(source: Source) -> anyhow::Result<Loaded> {
     Ok(match source {
-        Source::Environment(spec) => {
-            let (environment, warnings) = environment::from_spec(&spec)?;
+        Source::Environment { spec, color_space } => {
+            let (environment, warnings) = environment::from_spec_in(&spec, color_space)?;
             Loaded::Environment { environment: environment.into(), warnings }
         }
         Source::Scene { path, options } => Loaded::Scene(Imported::read(&path, &options)?.into()),

@@ -5,6 +5,7 @@ use egui::{
     Align, ComboBox, DragValue, Layout, Response, Slider, TextStyle, TextWrapMode, Ui, WidgetText, emath::Numeric,
 };
 use glam::Vec3;
+use lapidary_core::texture::ColorSpace;
 use std::ops::RangeInclusive;
 
 /// Numbers from this value on have no decimals.
@@ -128,6 +129,14 @@ pub fn combo_row<T: PartialEq + Copy>(
         Edited::at_once(*value != before)
     })
 }
+
+/// Color spaces that can be given to a picture, whatever its file says.
+pub const GIVEN_SPACES: [(ColorSpace, &str, &str); 4] = [
+    (ColorSpace::AcesCg, "ACEScg", "Linear, with the primaries AP1 of ACES, whatever the file says."),
+    (ColorSpace::Aces2065, "ACES2065-1", "Linear, with the primaries AP0 of ACES, whatever the file says."),
+    (ColorSpace::Rec2020, "Linear Rec. 2020", "Linear, with the primaries of Rec. 2020, whatever the file says."),
+    (ColorSpace::P3, "Linear P3", "Linear, with the primaries P3 and the white D65, whatever the file says."),
+];
 
 /// A number from a list that also has the present one.
 pub fn count_row(

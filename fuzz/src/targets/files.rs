@@ -2,7 +2,7 @@
 
 use super::{Target, named, scenes::datasets};
 use crate::{choices::Choices, mutate::Mutation};
-use lapidary_core::brdf::Content;
+use lapidary_core::{brdf::Content, texture::ColorSpace};
 use lapidary_interchange::{
     environment,
     image::{self, decode, dimensions, footprint},
@@ -115,7 +115,7 @@ pub fn read_picture(path: &Path) -> Result<(), String> {
         }
         Err(error) => named(&error, path)?,
     }
-    match environment::read(path) {
+    match environment::read(path, ColorSpace::Srgb) {
         Ok((environment, _)) if environment.map.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0) => {}
         Ok(_) => return Err("the environment is not finite".into()),
         Err(error) => named(&error, path)?,

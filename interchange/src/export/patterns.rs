@@ -38,7 +38,7 @@ fn picture(pattern: &Procedural, color_space: ColorSpace) -> Texture {
         let value = baked.texel(x, y, ColorSpace::Linear).truncate();
         let [r, g, b] = match color_space {
             ColorSpace::Srgb => srgb_bytes(value),
-            ColorSpace::Linear => value.to_array().map(|x| (255.0 * x).round() as u8),
+            _ => value.to_array().map(|x| (255.0 * x).round() as u8),
         };
         [r, g, b, 255]
     };

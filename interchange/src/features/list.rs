@@ -157,7 +157,7 @@ const MATERIALX: [Feature; 15] = [
     feature(
         MaterialX,
         "colorspace",
-        "color spaces besides sRGB and linear Rec. 709",
+        "color spaces besides sRGB, linear Rec. 709, Rec. 2020 and P3, ACEScg and ACES2065-1",
         Approximated("taken for one of these"),
     ),
     feature(MaterialX, "include", "other documents in the folder that are included", Read),
@@ -190,7 +190,7 @@ const PICTURES: [Feature; 16] = [
         "EXR: parts and layers",
         Approximated("one is read: the whole picture, as `RGBA` or `ViewLayer.Combined`"),
     ),
-    feature(Picture, "", "EXR: chromaticities, converted to Rec. 709", Read),
+    feature(Picture, "", "EXR: chromaticities, converted to Rec. 709; a slot or an environment may give others", Read),
     feature(
         Picture,
         "",

@@ -7,9 +7,10 @@ mod read;
 pub use metadata::{MetaValue, Metadata};
 pub use read::read_layer;
 
-use super::primaries::REC_709;
+use super::primaries::chromaticities;
 use exr::prelude::{self as openexr, WritableImage};
 use lapidary_core::{
+    color::Primaries,
     image::{Image, ImageError},
     output::write_atomically,
 };
@@ -96,7 +97,7 @@ impl LayeredImage {
         let channels = openexr::AnyChannels::sort(channels.collect());
         let layer = openexr::Layer::new((size[0], size[1]), attributes, encoding, channels);
         let mut image = openexr::Image::from_layer(layer);
-        image.attributes.chromaticities = Some(REC_709);
+        image.attributes.chromaticities = Some(chromaticities(&Primaries::REC_709));
         let mut bytes = Cursor::new(Vec::new());
         image.write().to_buffered(&mut bytes).map_err(io::Error::other)?;
         Ok(bytes.into_inner())

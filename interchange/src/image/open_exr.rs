@@ -4,7 +4,7 @@
 //! Introduction*, "Overscan, Display Window and Data Window").
 
 use super::{
-    primaries::{self, REC_709},
+    primaries,
     read::{check_size, damaged, truncated},
 };
 use exr::{
@@ -13,7 +13,7 @@ use exr::{
     prelude::{self as openexr, ReadChannels, ReadLayers},
 };
 use glam::{Mat3, Vec3};
-use lapidary_core::{image::ImageError, texture::Texels};
+use lapidary_core::{color::Primaries, image::ImageError, texture::Texels};
 use std::{io::Cursor, path::Path};
 
 /// The first bytes of every OpenEXR file.
@@ -106,7 +106,7 @@ impl Window {
 /// The conversion to Rec. 709 that a file with these primaries needs.
 pub(super) fn to_rec_709(found: Option<Chromaticities>, path: &Path) -> Result<Option<Mat3>, ImageError> {
     let unusable = |space| ImageError::Primaries { path: path.into(), space };
-    found.map_or(Ok(None), |found| primaries::rec_709_from(&found)).map_err(unusable)
+    found.map_or(Ok(None), |found| primaries::rec_709_from(&primaries::named(&found))).map_err(unusable)
 }
 
 /// The picture with its alpha. It is black outside the data window. `remarks` gets what of the header is left out.
@@ -123,11 +123,11 @@ pub(super) fn decode(bytes: &[u8], path: &Path, remarks: &mut Vec<String>) -> Re
         .map_err(|e| undecodable(path, e))?;
     let layer = &file.layer_data;
     let window = Window::new(file.attributes.display_window, layer.absolute_bounds());
-    let chromaticities = file.attributes.chromaticities;
-    let colors = Colors::of(&layer.channel_data.list, &chosen.layer, chromaticities.unwrap_or(REC_709));
+    let named = file.attributes.chromaticities.as_ref().map(primaries::named);
+    let colors = Colors::of(&layer.channel_data.list, &chosen.layer, named.unwrap_or(Primaries::REC_709));
     let colors = colors.filter(|colors| colors.are_whole(window.samples()));
     let colors = colors.ok_or_else(|| damaged(path, "its channels differ in resolution"))?;
-    let named = chromaticities.filter(|_| !colors.are_gray());
+    let named = named.filter(|_| !colors.are_gray());
     let to_rec_709 = named.and_then(|found| primaries::rec_709_or_remark(&found, remarks));
     let texel = |i: usize| colors.at(i).extend(colors.alpha_at(i)).to_array();
     Ok((window.size, primaries::texels(window.picture([0.0; 4], texel), to_rec_709)))
@@ -237,7 +237,7 @@ impl<'a> Colors<'a> {
     fn of(
         channels: &'a [openexr::AnyChannel<openexr::FlatSamples>],
         layer: &str,
-        chromaticities: Chromaticities,
+        primaries: Primaries,
     ) -> Option<Self> {
         let named = |name: &str| {
             let full = if layer.is_empty() { name.to_owned() } else { format!("{layer}.{name}") };
@@ -247,7 +247,7 @@ impl<'a> Colors<'a> {
         let chroma = || {
             Some(Planes::Chroma(
                 three(["Y", "RY", "BY"])?,
-                primaries::luminance(&chromaticities).or_else(|| primaries::luminance(&REC_709))?,
+                primaries.luminance().or_else(|| Primaries::REC_709.luminance())?,
             ))
         };
         let rgb = three(["R", "G", "B"]).map(Planes::Rgb);

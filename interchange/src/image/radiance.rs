@@ -4,13 +4,16 @@
 //! `EXPOSURE` and `COLORCORR` to get radiance; several lines multiply. Each of the eight orientations is turned upright.
 
 use super::{
-    primaries::{self, XYZ},
+    primaries,
     read::{check_size, damaged, truncated, undecodable},
 };
-use exr::{meta::attribute::Chromaticities, prelude as openexr};
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 use image::{ImageDecoder, codecs::hdr::HdrDecoder};
-use lapidary_core::{color::in_rec_709, image::ImageError, texture::Texels};
+use lapidary_core::{
+    color::{Primaries, in_rec_709},
+    image::ImageError,
+    texture::Texels,
+};
 use std::{io::Read, path::Path};
 
 /// First bytes of the files. `#?RADIANCE` is usual; other programs write their own names, as in `#?RGBE`.
@@ -46,7 +49,7 @@ struct Axis {
 struct Values {
     /// Divides the stored components.
     divisor: Vec3,
-    primaries: Option<Chromaticities>,
+    primaries: Option<Primaries>,
     is_xyz: bool,
     /// Lines that are left out, in sentences.
     remarks: Vec<String>,
@@ -128,8 +131,9 @@ impl Values {
             }
             "PRIMARIES" => {
                 let Some([rx, ry, gx, gy, bx, by, wx, wy]) = self.numbers("PRIMARIES", value) else { return Ok(()) };
-                let [red, green, blue, white] = [(rx, ry), (gx, gy), (bx, by), (wx, wy)].map(openexr::Vec2::from);
-                self.primaries = Some(Chromaticities { red, green, blue, white });
+                let [red, green, blue, white] =
+                    [(rx, ry), (gx, gy), (bx, by), (wx, wy)].map(|(x, y)| DVec2::new(x.into(), y.into()));
+                self.primaries = Some(Primaries { red, green, blue, white });
             }
             _ => {}
         }
@@ -188,7 +192,7 @@ pub(super) fn decode(bytes: &[u8], path: &Path, remarks: &mut Vec<String>) -> Re
     let mut texels = vec![[0.0, 0.0, 0.0, 1.0]; stored.len()];
     let along = header.axes[1].length;
     // Values are never in XYZ.
-    let from_xyz = if header.values.is_xyz { primaries::rec_709_or_remark(&XYZ, remarks) } else { None };
+    let from_xyz = if header.values.is_xyz { primaries::rec_709_or_remark(&Primaries::XYZ, remarks) } else { None };
     for (i, &rgb) in stored.iter().enumerate() {
         let [x, y] = header.position(i as u32 / along, i as u32 % along);
         let color = Vec3::from_array(rgb) / header.values.divisor;

@@ -7,16 +7,14 @@ use super::{
     open_exr::{self, EXR_MAGIC},
     radiance, tiff,
 };
-use glam::Vec3;
 use image::{
     ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits,
     error::{ImageFormatHint, UnsupportedError},
 };
 use lapidary_core::{
-    color::{in_rec_709, linear_from_codes, linear_from_deep_codes},
     image::{Image, ImageError},
     input, memory,
-    texture::{Texels, Texture},
+    texture::{ColorSpace, Texels, Texture},
 };
 use std::{
     io::{BufReader, Cursor},
@@ -43,16 +41,24 @@ fn texture_in(path: &Path, remarks: &mut Vec<String>) -> Result<Texture, ImageEr
     decode_with(&bytes, path, remarks)
 }
 
-/// Reads a picture file; 8-bit pictures are decoded from sRGB.
+/// Reads a picture file with the colors that it says to have; 8-bit pictures are decoded from sRGB.
 ///
 /// # Errors
 /// A file that is unreadable, not a picture, or too large, or says what its colors are in a way that cannot be used.
 pub fn read(path: &Path) -> Result<Image, ImageError> {
+    read_in(path, ColorSpace::Srgb)
+}
+
+/// Reads a picture file whose colors are in this space.
+///
+/// # Errors
+/// The same as [`read`]; what the file says of its colors does not count where the space says it.
+pub fn read_in(path: &Path, color_space: ColorSpace) -> Result<Image, ImageError> {
     let mut remarks = Vec::new();
     let texture = texture_in(path, &mut remarks)?;
     match remarks.pop() {
-        Some(remark) => Err(damaged(path, remark)),
-        None => Ok(linear_image(&texture)),
+        Some(remark) if color_space == ColorSpace::Srgb => Err(damaged(path, remark)),
+        _ => Ok(linear_image(&texture, color_space)),
     }
 }
 
@@ -167,16 +173,10 @@ pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
     Ok([width, height])
 }
 
-/// The RGB texels of a texture as a scene-linear picture: codes are decoded from sRGB.
-fn linear_image(texture: &Texture) -> Image {
-    let pixels = match &texture.texels {
-        Texels::U8(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_codes([r, g, b])).collect(),
-        Texels::U16(texels) => texels.iter().map(|&[r, g, b, _]| linear_from_deep_codes([r, g, b])).collect(),
-        Texels::F32(texels) => texels.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect(),
-        Texels::Wide { texels, to_rec_709 } => {
-            texels.iter().map(|&[r, g, b, _]| in_rec_709(*to_rec_709, Vec3::new(r, g, b))).collect()
-        }
-    };
+/// The RGB texels of a texture as a scene-linear picture in Rec. 709.
+fn linear_image(texture: &Texture, color_space: ColorSpace) -> Image {
+    let texels = &texture.texels;
+    let pixels = (0..texels.count()).map(|i| texels.at(i, color_space).truncate()).collect();
     Image { size: texture.size, pixels }
 }
 
@@ -269,7 +269,7 @@ impl Depth {
 mod tests {
     use super::*;
     use crate::image::{encode_png, write::encode};
-    use lapidary_core::texture::ColorSpace;
+    use glam::Vec3;
 
     fn ramp() -> Image {
         Image::from_fn([13, 7], |x, y| Vec3::new(x as f32 / 12.0, y as f32 / 6.0, 0.25))
@@ -294,7 +294,8 @@ mod tests {
         let eight = png(DynamicImage::ImageLuma8(image::ImageBuffer::from_pixel(2, 1, image::Luma([128]))));
         let eight = decode(&eight, Path::new("a.png")).unwrap();
         assert_eq!(eight.texels, Texels::U8(vec![[128, 128, 128, 255]; 2]));
-        let difference = linear_image(&texture).pixels[0] - linear_image(&eight).pixels[0];
+        let difference =
+            linear_image(&texture, ColorSpace::Srgb).pixels[0] - linear_image(&eight, ColorSpace::Srgb).pixels[0];
         assert!(difference.abs().max_element() < 1e-6, "{difference}");
         let colour = DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([300, 0, 65535])));
         let texture = decode(&png(colour), Path::new("colour.png")).unwrap();
@@ -385,7 +386,7 @@ mod tests {
     #[test]
     fn eight_bit_pictures_decode_from_srgb() {
         let texture = decode(&encode_png(&ramp()), Path::new("a.png")).unwrap();
-        let (read, expected) = (linear_image(&texture), ramp());
+        let (read, expected) = (linear_image(&texture, ColorSpace::Srgb), ramp());
         let worst = read.pixels.iter().zip(&expected.pixels).map(|(a, b)| (*a - *b).abs().max_element());
         assert!(worst.fold(0.0, f32::max) < 0.005);
         // Negative control: the same bytes read as linear are far off in the middle of the ramp.

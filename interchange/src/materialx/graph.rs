@@ -6,7 +6,7 @@ mod units;
 
 pub use relief::Relief;
 
-use super::places::Places;
+use super::{color_spaces, places::Places};
 use glam::{Affine2, Vec2, Vec3};
 use lapidary_core::texture::{Channel, ColorSpace, UvSet, Wrap};
 use roxmltree::{Document, Node, NodeId};
@@ -206,9 +206,9 @@ impl<'a> Graph<'a> {
         let factor = self.unit_factor(told);
         numbers.iter_mut().for_each(|x| *x *= factor);
         if told.attribute("type").is_some_and(|kind| kind.starts_with("color"))
-            && self.color_space(told) == ColorSpace::Srgb
+            && let [r, g, b, ..] = &mut numbers[..]
         {
-            numbers.iter_mut().take(3).for_each(|x| *x = lapidary_core::color::linear_from_srgb(*x));
+            [*r, *g, *b] = color_spaces::in_rec_709(self.color_space(told), [*r, *g, *b]);
         }
         Ok(numbers)
     }
@@ -320,16 +320,12 @@ impl<'a> Graph<'a> {
         let Some(name) = element.ancestors().find_map(|node| node.attribute("colorspace")) else {
             return ColorSpace::Linear;
         };
-        match name {
-            "srgb_texture" | "sRGB" | "srgb" => ColorSpace::Srgb,
-            "lin_rec709" | "linear" | "lin_srgb" | "none" | "raw" | "" => ColorSpace::Linear,
-            other => {
-                let is_linear = other.starts_with("lin_") || other == "acescg";
-                let taken = if is_linear { "linear Rec. 709" } else { "sRGB" };
-                self.remark(element, &format!("the color space \"{other}\" is taken for {taken}"));
-                if is_linear { ColorSpace::Linear } else { ColorSpace::Srgb }
-            }
-        }
+        color_spaces::named(name).unwrap_or_else(|| {
+            let is_linear = name.starts_with("lin_");
+            let taken = if is_linear { "linear Rec. 709" } else { "sRGB" };
+            self.remark(element, &format!("the color space \"{name}\" is taken for {taken}"));
+            if is_linear { ColorSpace::Linear } else { ColorSpace::Srgb }
+        })
     }
 
     fn image(&self, node: XmlNode<'a>, output: Option<&str>) -> Result<Found> {
@@ -352,11 +348,10 @@ impl<'a> Graph<'a> {
         }
         let kind =
             if node.has_tag_name("gltf_colorimage") { "color4" } else { node.attribute("type").unwrap_or("color3") };
-        // Only colors are converted from a space. That of float pictures is in their own file.
-        let color_space = match kind.starts_with("color") {
-            true if holds_floats(file) => ColorSpace::Srgb,
-            true => self.color_space(told),
-            false => ColorSpace::Linear,
+        // Only colors are converted from a space. Float pictures that the document calls linear may name their own.
+        let color_space = match kind.starts_with("color").then(|| self.color_space(told)) {
+            Some(ColorSpace::Linear) if holds_floats(file) => ColorSpace::Srgb,
+            color_space => color_space.unwrap_or_default(),
         };
         let picture = Picture {
             file: format!("{prefix}{file}"),

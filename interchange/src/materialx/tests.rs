@@ -127,7 +127,7 @@ fn maps_of_all_kinds_are_read_as_they_are_written() {
     let turned = SlotFile { rotation_degrees: 30.0, scale: Vec2::new(2.0, 4.0), ..slot("a/b.png") };
     let maps = [
         ("base_color", SlotFile { color_space: Some(ColorSpace::Srgb), ..placed.clone() }),
-        ("specular_color", SlotFile { ..turned.clone() }),
+        ("specular_color", SlotFile { color_space: Some(ColorSpace::AcesCg), ..turned.clone() }),
         ("specular_roughness", SlotFile { channel: Channel::G, ..turned }),
         ("specular_weight", SlotFile { channel: Channel::A, color_space: Some(ColorSpace::Srgb), ..slot("c.png") }),
         ("base_metalness", SlotFile { channel: Channel::B, color_space: Some(ColorSpace::Srgb), ..slot("c.png") }),
@@ -298,13 +298,20 @@ fn a_document_of_version_1_37_is_read() {
 fn colors_are_converted_and_other_spaces_told() {
     let of = |space: &str| {
         let input =
-            format!("<input name=\"base_color\" type=\"color3\" value=\"0.5, 0.5, 0.5\" colorspace=\"{space}\"/>");
+            format!("<input name=\"base_color\" type=\"color3\" value=\"0.5, 0.5, 0.25\" colorspace=\"{space}\"/>");
         let read = read(&standard(&input), None).unwrap();
-        (read.material.parameters.color("base_color").x, read.remarks.len())
+        (read.material.parameters.color("base_color"), read.remarks.len())
     };
-    assert_eq!(of("lin_rec709"), (0.5, 0));
-    assert!((of("srgb_texture").0 - 0.214_041).abs() < 1e-5);
-    assert_eq!((of("acescg"), of("g22_rec709").1), ((0.5, 1), 1));
+    let plain = glam::Vec3::new(0.5, 0.5, 0.25);
+    assert_eq!(of("lin_rec709"), (plain, 0));
+    assert!((of("srgb_texture").0.x - 0.214_041).abs() < 1e-5);
+    assert_eq!((of("lin_other"), of("g22_rec709").1), ((plain, 1), 1));
+    // The matrices of ACES S-2014-004 and ITU-R BT.2407 for the same color.
+    for (space, right) in [("acescg", [0.5208, 0.5026, 0.2118]), ("lin_rec2020", [0.5182, 0.5021, 0.2202])] {
+        let (found, remarks) = of(space);
+        assert!((found - glam::Vec3::from_array(right)).abs().max_element() < 1e-3 && remarks == 0, "{space}: {found}");
+        assert!((plain - glam::Vec3::from_array(right)).abs().max_element() > 0.01, "negative control");
+    }
 }
 
 /// Text of the error, or of all remarks.

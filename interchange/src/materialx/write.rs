@@ -1,8 +1,8 @@
 //! Converts materials to a document.
 
 use super::{
+    color_spaces,
     estimate::leave_out_patterns,
-    graph::holds_floats,
     nearest::nearest,
     placement::{Placement, is_turned},
     surface::{OPACITY_CUTOFF, Row, Surface},
@@ -299,7 +299,7 @@ impl DocumentWriter {
 
     /// One component of a picture.
     fn component(&mut self, input: &str, slot: &SlotFile) -> io::Result<String> {
-        let is_encoded = slot.color_space == Some(ColorSpace::Srgb);
+        let is_encoded = slot.color_space.is_some_and(|space| space != ColorSpace::Linear);
         let kind = match (slot.channel, is_encoded) {
             (Channel::R, false) => return self.image(input, slot, "float"),
             (Channel::A, true) => "color4",
@@ -330,8 +330,10 @@ impl DocumentWriter {
         self.open(category, &[("name", name.clone()), ("type", kind.into())])?;
         let mut file: Vec<Attribute> =
             vec![("name", "file".into()), ("type", "filename".into()), ("value", slot.file.clone())];
-        if slot.color_space == Some(ColorSpace::Srgb) && kind.starts_with("color") && !holds_floats(&slot.file) {
-            file.push(("colorspace", "srgb_texture".into()));
+        if kind.starts_with("color")
+            && let Some(space) = slot.color_space.and_then(|space| color_spaces::written(space, &slot.file))
+        {
+            file.push(("colorspace", space.into()));
         }
         self.empty("input", &file)?;
         match tiling {

@@ -31,8 +31,7 @@ impl MipContent {
         match (map, &texture.texels) {
             (NORMAL, _) => Self::Slopes(SlopeSource::Normals),
             (BUMP, _) => Self::Slopes(SlopeSource::heights(slot)),
-            (_, Texels::U8(_) | Texels::U16(_) | Texels::Wide { .. }) => Self::Values(slot.color_space),
-            (_, Texels::F32(_)) => Self::Values(ColorSpace::Linear),
+            (_, texels) => Self::Values(texels.distinct(slot.color_space)),
         }
     }
 
@@ -46,10 +45,10 @@ impl MipContent {
 
     /// How the shader decodes a texture. Texels of 16 bits and of other primaries are decoded before, to floats.
     fn kind(self, texture: &Texture) -> u32 {
-        match (&texture.texels, self) {
-            (Texels::U16(_) | Texels::F32(_) | Texels::Wide { .. }, _) => KIND_FLOAT,
-            (Texels::U8(_), Self::Values(ColorSpace::Srgb)) => KIND_SRGB,
-            (Texels::U8(_), _) => KIND_LINEAR,
+        match self.color_space() {
+            color_space if !texture.texels.keeps_codes(color_space) => KIND_FLOAT,
+            ColorSpace::Srgb => KIND_SRGB,
+            _ => KIND_LINEAR,
         }
     }
 }
@@ -135,7 +134,7 @@ fn in_use(appearance: &Appearance) -> Vec<Used> {
 /// Words of a texture with its levels.
 fn words_of(texture: &Texture, detail: MipContent) -> u64 {
     let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-    let own = if matches!(texture.texels, Texels::U8(_)) { 1 } else { 4 };
+    let own = if texture.texels.keeps_codes(detail.color_space()) { 1 } else { 4 };
     let below = if matches!(detail, MipContent::Slopes(_)) { 3 } else { own };
     own * texels(texture.size) + below * level_sizes(texture.size).map(texels).sum::<u64>()
 }
@@ -201,7 +200,7 @@ fn append(words: &mut Vec<u32>, texture: &Texture, detail: MipContent) {
     append_texels(words, &texture.texels, detail.color_space());
     match detail {
         MipContent::Values(color_space) => {
-            texture.levels(color_space).iter().for_each(|level| append_texels(words, &level.texels, color_space));
+            texture.levels(color_space).iter().for_each(|level| append_texels(words, &level.texels, level.color_space));
         }
         MipContent::Slopes(source) => {
             let texels = texture.slope_levels(source).iter().flat_map(|level| &level.texels);
@@ -212,11 +211,8 @@ fn append(words: &mut Vec<u32>, texture: &Texture, detail: MipContent) {
 
 fn append_texels(words: &mut Vec<u32>, texels: &Texels, color_space: ColorSpace) {
     match texels {
-        Texels::U8(t) => words.extend(t.iter().map(|&c| u32::from_le_bytes(c))),
-        Texels::U16(_) | Texels::Wide { .. } => {
-            words.extend((0..texels.count()).flat_map(|i| texels.at(i, color_space).to_array().map(f32::to_bits)));
-        }
-        Texels::F32(t) => words.extend(t.iter().flatten().map(|c| c.to_bits())),
+        Texels::U8(t) if texels.keeps_codes(color_space) => words.extend(t.iter().map(|&c| u32::from_le_bytes(c))),
+        _ => words.extend((0..texels.count()).flat_map(|i| texels.at(i, color_space).to_array().map(f32::to_bits))),
     }
 }
 
@@ -278,7 +274,8 @@ mod tests {
         let slopes = [SlopeSource::Normals, SlopeSource::heights(&Default::default())].map(MipContent::Slopes);
         let floats = Texture::new("floats", [5, 9], Texels::F32(vec![[0.5; 4]; 45]));
         let deep = Texture::new("deep", [5, 9], Texels::U16(vec![[700; 4]; 45]));
-        for detail in [MipContent::Values(ColorSpace::Srgb), slopes[0], slopes[1]] {
+        let values = [ColorSpace::Srgb, ColorSpace::AcesCg].map(MipContent::Values);
+        for detail in [values[0], values[1], slopes[0], slopes[1]] {
             for texture in [&*gray([16, 3], 100), &floats, &deep] {
                 let mut words = Vec::new();
                 append(&mut words, texture, detail);

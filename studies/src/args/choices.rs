@@ -2,7 +2,7 @@
 
 use crate::values::{choice, choice_of};
 use clap::builder::TypedValueParser;
-use lapidary_core::{ground::Ground, light_tree::TreeKind};
+use lapidary_core::{ground::Ground, light_tree::TreeKind, texture::ColorSpace};
 use lapidary_interchange::materialx::Surface;
 use lapidary_precompute::Preset;
 use lapidary_render::{BrdfSampling, SamplePositions, Solution, ToneMap, ViewMode, compare::map::ErrorMap};
@@ -79,6 +79,18 @@ pub fn view_mode() -> impl TypedValueParser<Value = ViewMode> {
 /// Tone curve of png files.
 pub fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
     choice_of(ToneMap::ALL.map(|tone_map| (tone_map.curve().key, tone_map.curve().method)))
+}
+
+/// Color spaces of picture files.
+pub fn color_space() -> impl TypedValueParser<Value = ColorSpace> {
+    choice(&[
+        ("srgb", "As the file says: its primaries, else Rec. 709; 8 and 16 bits are sRGB encoded"),
+        ("linear", "Linear Rec. 709, whatever the file says"),
+        ("acescg", "Linear, with the primaries AP1 of ACES"),
+        ("aces2065-1", "Linear, with the primaries AP0 of ACES"),
+        ("lin-rec2020", "Linear, with the primaries of Rec. 2020"),
+        ("lin-p3", "Linear, with the primaries P3 and the white D65"),
+    ])
 }
 
 /// Whether small bright parts of an environment are suns.

@@ -8,6 +8,7 @@ use lapidary_core::{
     dataset::{BakePart, BakeParts, Dataset},
     environment::SunSettings,
     lights::{Light, LightsFile},
+    texture::ColorSpace,
 };
 use lapidary_interchange::environment;
 use lapidary_render::{Components, Illumination, Renderer, Solution, is_buried};
@@ -25,6 +26,9 @@ pub(super) struct EnvironmentArgs {
     /// dataset was baked without the environment]
     #[arg(long, value_name = "MAP")]
     env: Option<String>,
+    /// Color space of the environment file
+    #[arg(long, value_name = "SPACE", default_value = "srgb", value_parser = choices::color_space())]
+    env_space: ColorSpace,
     /// Rotation of the environment about the vertical in degrees, counter-clockwise seen from above
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = values::finite, allow_hyphen_values = true)]
     rotate: f32,
@@ -83,7 +87,7 @@ impl EnvironmentArgs {
             NONE => DARK,
             spec => spec,
         };
-        let (environment, warnings) = environment::from_spec(spec)?;
+        let (environment, warnings) = environment::from_spec_in(spec, self.env_space)?;
         warnings.iter().for_each(|w| console.warning(w));
         Ok(Illumination {
             environment: environment.into(),

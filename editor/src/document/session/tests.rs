@@ -83,6 +83,7 @@ impl Project {
         };
         document.environment = EnvironmentSettings {
             spec: self.path("maps/room.hdr").to_string_lossy().into_owned(),
+            color_space: ColorSpace::AcesCg,
             rotation_degrees: 12.5,
             intensity: 0.7,
             orientation: crate::document::Orientation::Blender,

@@ -137,7 +137,7 @@ fn chosen(cell: &Cell, light: &EnvironmentSettings) -> Vec<Action> {
     if cell.selected {
         return Vec::new();
     }
-    let edit = Edit::Environment(EnvironmentSettings { spec: cell.spec.into(), ..light.clone() });
+    let edit = Edit::Environment(light.with_map(cell.spec));
     vec![Action::Edit { edit, label: "Environment" }, Action::EndGesture]
 }
 

@@ -123,6 +123,20 @@ fn intensity_is_typed_and_shown_in_stops() {
 }
 
 #[test]
+fn a_color_space_is_given_to_a_map_and_left_behind_with_it() {
+    let mut map = panel(probe("/maps/Harbor.exr"));
+    map.get_by_label("Color space").click();
+    map.run();
+    map.get_by_label("ACEScg").click();
+    map.run();
+    let given = asked(&map).pop().expect("an edit");
+    let kept = EnvironmentSettings { spec: "/maps/Harbor.exr".into(), ..Default::default() };
+    assert_eq!(given, EnvironmentSettings { color_space: ColorSpace::AcesCg, ..kept });
+    assert_eq!(given.with_map("studio"), EnvironmentSettings::default());
+    assert!(panel(probe("studio")).query_by_label("Color space").is_none(), "formulas are in Rec. 709");
+}
+
+#[test]
 fn orientation_and_library_are_chosen() {
     let mut panel = panel(probe("studio"));
     panel.get_by_label("Orientation: Blender, three.js").click();

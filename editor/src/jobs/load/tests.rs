@@ -10,6 +10,10 @@ fn next(loader: &mut Loader) -> LoadResult {
     wait_for("a file", || loader.results().pop())
 }
 
+fn formula(spec: &str) -> Source {
+    Source::Environment { spec: spec.into(), color_space: ColorSpace::Srgb }
+}
+
 #[test]
 fn every_source_is_opened() {
     let folder = tempfile::tempdir().unwrap();
@@ -17,7 +21,7 @@ fn every_source_is_opened() {
     image::write(&Image::filled([2, 2], Vec3::ONE), &path("t.png")).unwrap();
     std::fs::write(path("m.json"), r#"{"maps": {"base_color": {"file": "t.png"}}}"#).unwrap();
     let mut loader = Loader::new(silent());
-    loader.load(Topic::Environment, Source::Environment("constant:2".into()));
+    loader.load(Topic::Environment, formula("constant:2"));
     let Ok(Loaded::Environment { environment, .. }) = next(&mut loader).result else { panic!("no environment") };
     assert_eq!(environment.radiance(Vec3::Y), Vec3::splat(2.0));
     loader.load(Topic::Reload(path("t.png")), Source::Texture(path("t.png")));
@@ -37,7 +41,7 @@ fn the_latest_load_on_a_topic_wins_and_topics_are_apart() {
     let other = Topic::Map { material: 1, map: "bump" };
     loader.load(other.clone(), Source::Texture("missing.png".into()));
     for i in 1..=5 {
-        loader.load(Topic::Environment, Source::Environment(format!("constant:{i}")));
+        loader.load(Topic::Environment, formula(&format!("constant:{i}")));
     }
     let mut results = Vec::new();
     wait_for("both topics", || {
@@ -55,7 +59,7 @@ fn the_latest_load_on_a_topic_wins_and_topics_are_apart() {
 #[test]
 fn errors_say_which_file() {
     let mut loader = Loader::new(silent());
-    loader.load(Topic::Environment, Source::Environment("missing.hdr".into()));
+    loader.load(Topic::Environment, formula("missing.hdr"));
     let error = next(&mut loader).result.unwrap_err();
     assert!(error.contains("missing.hdr"), "{error}");
 }

@@ -4,7 +4,11 @@ use super::{Changes, MaterialContext, MaterialPanel, patterns, target::Target};
 use crate::{
     actions::Action,
     document::TextureEntry,
-    widgets::{Edited, Number, check_row, choice_row, group, slider_row, wide_row},
+    widgets::{
+        Edited, Number, check_row, choice_row,
+        entries::{GIVEN_SPACES, combo_row},
+        group, slider_row, wide_row,
+    },
 };
 use egui::{
     Align, Button, CollapsingHeader, Label, Layout, Rect, Response, RichText, Sense, Stroke, StrokeKind, TextureHandle,
@@ -293,21 +297,26 @@ fn reading(
     if matches!(kind, "normal" | "bump") || slot.procedural.is_some() {
         return;
     }
-    let floats = entry.is_some_and(|e| matches!(e.texture.texels, Texels::F32(_)));
-    let help = match floats {
-        true => "No effect on this picture: its texels are floating point and always linear.",
-        false => "How texels are read: sRGB for colors, linear for values such as roughness.",
-    };
-    let is_wide = entry.is_some_and(|e| matches!(e.texture.texels, Texels::Wide { .. }));
-    let (color, colors) = match is_wide {
-        true => ("Color", "Colors, converted from the primaries that the picture names."),
-        false => ("sRGB", "Texels are sRGB encoded: colors."),
-    };
-    let spaces = [
-        (ColorSpace::Srgb, color, colors),
-        (ColorSpace::Linear, "Linear", "Texels are the values: roughness, metalness."),
-    ];
-    let edited =
-        ui.add_enabled_ui(!floats, |ui| choice_row(ui, "Color space", help, &mut slot.color_space, &spaces)).inner;
-    changes.note("Map color space", edited);
+    let help = "How texels are read: sRGB for colors, linear for values such as roughness.";
+    let mut spaces = spaces_of_file(entry.map(|entry| &entry.texture.texels), slot.color_space);
+    if BrdfModel::declared(kind).is_some_and(Parameter::is_color) {
+        spaces.extend(GIVEN_SPACES);
+    }
+    changes.note("Map color space", combo_row(ui, "Color space", help, &mut slot.color_space, &spaces));
+}
+
+/// What the texels can be by what their file says.
+fn spaces_of_file(texels: Option<&Texels>, now: ColorSpace) -> Vec<(ColorSpace, &'static str, &'static str)> {
+    let linear = (ColorSpace::Linear, "Linear", "Texels are the values: roughness, metalness.");
+    match texels {
+        // Both are the same.
+        Some(Texels::F32(_)) => {
+            let plain = if now == ColorSpace::Srgb { ColorSpace::Srgb } else { ColorSpace::Linear };
+            vec![(plain, "Linear", "Texels are the values; colors are in Rec. 709.")]
+        }
+        Some(Texels::Wide { .. }) => {
+            vec![(ColorSpace::Srgb, "Color", "Colors, converted from the primaries that the picture names."), linear]
+        }
+        _ => vec![(ColorSpace::Srgb, "sRGB", "Texels are sRGB encoded: colors."), linear],
+    }
 }

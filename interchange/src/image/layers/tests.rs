@@ -102,7 +102,7 @@ fn the_file_says_what_colours_it_holds_and_what_it_was_made_with() {
     let metadata = Metadata { software: Some("Lapidary 1".into()), camera: Some(camera.clone()), entries };
     let (_folder, path) = written(LayeredImage { metadata, ..layered() });
     let header = header(&path);
-    assert_eq!(header.shared_attributes.chromaticities, Some(REC_709));
+    assert_eq!(header.shared_attributes.chromaticities, Some(chromaticities(&Primaries::REC_709)));
     let own = &header.own_attributes;
     assert_eq!(own.software_name.as_ref().map(|s| s.to_string()).as_deref(), Some("Lapidary 1"));
     let other = |name: &str| own.other[&metadata::text(name)].clone();
@@ -121,7 +121,7 @@ fn plain_pictures_say_their_colours_too() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("plain.exr");
     write(&ramp(1.0), &path).unwrap();
-    assert_eq!(header(&path).shared_attributes.chromaticities, Some(REC_709));
+    assert_eq!(header(&path).shared_attributes.chromaticities, Some(chromaticities(&Primaries::REC_709)));
 }
 
 #[test]

@@ -97,6 +97,29 @@ fn maps_are_filtered_as_on_the_cpu_alone_and_together_and_by_the_footprint_of_th
 }
 
 #[test]
+fn colors_of_given_primaries_are_those_of_the_cpu_at_any_depth() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let dataset = rig.renderer.dataset().clone();
+    let view = view(ViewMode::Albedo);
+    for (bits, texture) in [(Bits::Eight, 0), (Bits::Sixteen, 0), (Bits::Eight, 1)] {
+        let look = |color_space| {
+            let mut look = look(&dataset, &["base_color"], bits);
+            let slot = look.materials.iter().find_map(|m| m.maps.get("base_color").cloned()).expect("a map");
+            let slot = TextureSlot { color_space, texture, ..slot };
+            look.materials.iter_mut().for_each(|m| m.maps.set("base_color", Some(slot.clone())));
+            look
+        };
+        rig.look(look(ColorSpace::Rec2020));
+        let [gpu, cpu] = rig.both(&view, BrdfSampling::Refine);
+        assert!(agrees(&gpu, &cpu), "{bits:?} {texture}: {:?}", difference(&gpu, &cpu));
+        rig.renderer.set_appearance(look(ColorSpace::Linear));
+        let other = on_the_cpu(&rig.gpu, &rig.renderer, &view, rig.lit(), BrdfSampling::Refine);
+        // Gray floats stay gray.
+        assert_eq!(agrees(&gpu, &other), texture == 1, "negative control, {bits:?}");
+    }
+}
+
+#[test]
 fn patterns_are_those_of_the_cpu_as_values_and_as_heights() {
     let Some(mut rig) = Rig::new(64) else { return };
     let dataset = rig.renderer.dataset().clone();

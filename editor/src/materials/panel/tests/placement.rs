@@ -1,7 +1,7 @@
 //! Where maps lie on a surface, what they show beyond their edges, and what they read of its vertices.
 
 use super::*;
-use lapidary_core::texture::{UvSet, Wrap};
+use lapidary_core::texture::{ColorSpace, UvSet, Wrap};
 
 #[test]
 fn placement_edits_scale_offset_rotation_and_channel() {
@@ -41,6 +41,27 @@ fn edges_and_coordinates_are_chosen_and_patterns_have_no_edges() {
     harness.run();
     assert!(harness.query_by_label("Roughness map wrap x: Mirror").is_none());
     assert!(harness.query_by_label("Roughness map uv set: Second").is_some());
+}
+
+#[test]
+fn primaries_are_given_to_colors_and_not_to_values() {
+    let slot = Some(TextureSlot { color_space: ColorSpace::Srgb, ..TextureSlot::default() });
+    let both = |app: &mut App| {
+        for map in ["base_color", "roughness"] {
+            app.document.materials[0].maps.set(map, slot.clone());
+        }
+    };
+    let mut harness = harness(both);
+    for map in ["Base color", "Roughness"] {
+        click(&mut harness, &format!("{map} map placement"));
+    }
+    click(&mut harness, "Roughness map color space");
+    assert!(harness.query_by_label("ACEScg").is_none(), "a value has no primaries");
+    click(&mut harness, "Linear");
+    click(&mut harness, "Base color map color space");
+    click(&mut harness, "ACEScg");
+    let space = |map| harness.state().material().maps.get(map).unwrap().color_space;
+    assert_eq!((space("base_color"), space("roughness")), (ColorSpace::AcesCg, ColorSpace::Linear));
 }
 
 #[test]
