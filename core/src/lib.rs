@@ -34,7 +34,7 @@
 //! * [`transport`]: one bounce of light, and the series over bounces
 //! * [`meshless`]: the meshless hierarchical basis and its light transport
 //! * [`implicit`]: light of moving scenes by implicit visibility
-//! * [`surfel`]: points of any kind of surface; [`ray`]: visibility
+//! * [`surfel`]: points of any kind of surface; [`mesh_surface`]: those of a mesh; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
 //! Tools: [`sphere`] (directions), [`simd`] (eight vectors at a time), [`sparse`] (matrices of weights), [`color`]
@@ -59,6 +59,7 @@ pub mod lock;
 pub mod material;
 pub mod memory;
 pub mod mesh;
+pub mod mesh_surface;
 pub mod meshless;
 pub mod names;
 pub mod offset;

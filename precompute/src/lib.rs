@@ -15,7 +15,6 @@
 
 mod bake;
 mod errors;
-mod mesh_surface;
 mod meshless;
 mod observer;
 mod setting;
@@ -37,7 +36,6 @@ pub use bake::{
 };
 pub use bake::{most_vertices, tessellation_units};
 pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError, ShardError};
-pub use mesh_surface::MeshSurface;
 pub use meshless::meshless_bake;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use setting::{Naming, Setting};

@@ -1,12 +1,9 @@
 //! Test scenes: plain triangles in known places.
 
-use crate::{
-    mesh_surface::MeshSurface,
-    vertices::sidedness::{Sidedness, classify},
-};
+use crate::vertices::sidedness::{Sidedness, classify};
 use glam::Vec3;
 pub use lapidary_core::test_scenes::{cuboid, floor, quad, room, scene_of};
-use lapidary_core::{ray::Intersector, scene::Scene};
+use lapidary_core::{mesh_surface::MeshSurface, ray::Intersector, scene::Scene};
 
 /// A scene with the data that a [`MeshSurface`] borrows.
 pub struct Prepared {

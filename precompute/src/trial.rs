@@ -9,7 +9,6 @@ pub use meshless::BasisTrial;
 pub use sources::SourcesTrial;
 
 use crate::{
-    mesh_surface::MeshSurface,
     observer::Silent,
     vertices::{
         points::{BakePoint, BakePoints},
@@ -23,6 +22,7 @@ use glam::Vec3;
 use lapidary_core::{
     cut::{CutCriterion, CutSelector},
     light_tree::{Features, LightTree, PilotVisibility, TreeKind},
+    mesh_surface::MeshSurface,
     offset,
     ray::{BoundaryTracer, Intersector},
     scene::{Mesh, Scene},

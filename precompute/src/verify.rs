@@ -9,12 +9,9 @@ pub use environment::EnvironmentVerification;
 pub use meshless::MeshlessVerification;
 pub use sources::SourcesVerification;
 
-use crate::{
-    mesh_surface::MeshSurface,
-    vertices::{points::BakePoints, sampler::bake_points, visibility::VisibilitySampler},
-};
+use crate::vertices::{points::BakePoints, sampler::bake_points, visibility::VisibilitySampler};
 use glam::Vec3;
-use lapidary_core::{dataset::Dataset, ray::Intersector};
+use lapidary_core::{dataset::Dataset, mesh_surface::MeshSurface, ray::Intersector};
 use serde::Serialize;
 
 /// Largest root mean square of stored minus traced visibility, relative to an exhaustive bake's. The bake's audit allows 1 % over

@@ -3,10 +3,11 @@
 use crate::prepared::{GREY, Lamp, gathered, lit};
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
+    mesh_surface::MeshSurface,
     meshless::{MeshlessBake, Projection, SenderSamples, SolveSettings, Solver, irradiance},
     surfel::Surfel,
 };
-use lapidary_precompute::{Candidates, Darts, MeshSurface, Silent, poisson_disk};
+use lapidary_precompute::{Candidates, Darts, Silent, poisson_disk};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 

@@ -4,6 +4,7 @@ use anyhow::Result;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     material::Material,
+    mesh_surface::MeshSurface,
     meshless::{SenderSamples, Solver},
     ray::Intersector,
     scene::{Object, Scene},
@@ -11,7 +12,7 @@ use lapidary_core::{
     surfel::{Surface, Surfel},
 };
 use lapidary_interchange::import::import;
-use lapidary_precompute::{MeshSurface, Sidedness, classify};
+use lapidary_precompute::{Sidedness, classify};
 use rayon::prelude::*;
 
 /// Diffuse reflectance of all surfaces.

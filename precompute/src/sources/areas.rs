@@ -3,11 +3,11 @@
 use super::disk::DENSITY;
 use crate::{
     errors::PointsError,
-    mesh_surface::MeshSurface,
     observer::{Event, Observer},
     warning::{SourcesWarning, Warning},
 };
 use lapidary_core::{
+    mesh_surface::MeshSurface,
     sources::OWNED_WITHIN,
     surfel::{GradedGrid, Surface, Surfel},
 };

@@ -1,9 +1,9 @@
 //! Positions of surface sources (paper, 4.1). Points of the meshless basis paper replace the paper's repulsion of random points.
 
 use super::{areas::sample_areas, candidates::Candidates, disk::poisson_count, spacing::Spacing};
-use crate::{errors::PointsError, mesh_surface::MeshSurface, observer::Observer};
+use crate::{errors::PointsError, observer::Observer};
 use glam::Vec3;
-use lapidary_core::{shot::Shot, sources::Source};
+use lapidary_core::{mesh_surface::MeshSurface, shot::Shot, sources::Source};
 
 /// Seed of the particles: the same scene gets the same sources.
 const POINTS_SEED: u64 = 0x736f_7572_6365_7301;

@@ -7,11 +7,12 @@
 //! meant to be seen is furnished.
 
 use super::candidates::{check_viewpoint, particle_hits};
-use crate::{errors::PointsError, mesh_surface::MeshSurface};
+use crate::errors::PointsError;
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
     lights::{Emission, Light},
+    mesh_surface::MeshSurface,
     sphere::{cosine_direction, fibonacci_directions, frame_around},
     surfel::{Surface, Surfel},
 };

@@ -1,11 +1,9 @@
 //! Trials of the parts that bounce light.
 
 use super::{Tried, meshless::BasisTrial, sources::SourcesTrial, tried};
-use crate::{
-    errors::BakeError, mesh_surface::MeshSurface, sources::viewpoint::find_viewpoint, vertices::sidedness::classify,
-};
+use crate::{errors::BakeError, sources::viewpoint::find_viewpoint, vertices::sidedness::classify};
 use glam::Vec3;
-use lapidary_core::{ray::Intersector, scene::Scene};
+use lapidary_core::{mesh_surface::MeshSurface, ray::Intersector, scene::Scene};
 
 /// Result of a trial of the bounces, by part.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! The meshless operator: recomputed links of some functions, and transported light against rays.
 
 use super::Again;
-use crate::{mesh_surface::MeshSurface, meshless::transport::recompute::recompute_links};
+use crate::meshless::transport::recompute::recompute_links;
 use glam::Vec3;
 use lapidary_core::{
+    mesh_surface::MeshSurface,
     meshless::{MeshlessBake, Projection, Transport, irradiance},
     sphere::{cosine_direction, frame_around},
     surfel::{Surface, Surfel},

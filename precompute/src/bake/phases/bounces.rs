@@ -9,14 +9,13 @@ use crate::{
         settings::ResolvedBake,
     },
     errors::BakeError,
-    mesh_surface::MeshSurface,
     observer::{Event, Observer},
     sources::viewpoint::{ViewpointSurroundings, find_viewpoint},
     vertices::tracing::Tracing,
     warning::Warning,
 };
 use glam::Vec3;
-use lapidary_core::{camera::Camera, light_tree::LightTree, scene::Scene, surfel::Surfel};
+use lapidary_core::{camera::Camera, light_tree::LightTree, mesh_surface::MeshSurface, scene::Scene, surfel::Surfel};
 
 /// Largest share of directions around a viewpoint that may miss the scene without a warning: in a court without a roof a third do.
 const MOST_OPEN: f32 = 0.4;

@@ -1,12 +1,12 @@
 //! A triangle mesh as a surface for light transport.
 
-use glam::{Vec2, Vec3};
-use lapidary_core::{
+use crate::{
     bounds::Bounds,
+    mesh::Mesh,
     ray::{Hit, Intersector},
-    scene::Mesh,
     surfel::{Surface, Surfel},
 };
+use glam::{Vec2, Vec3};
 
 /// Diffuse reflectance of a point of the mesh.
 pub type Reflectance<'a> = &'a (dyn Fn(&Surfel) -> Vec3 + Sync);
@@ -144,7 +144,24 @@ impl Surface for MeshSurface<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::{Prepared, floor};
+    use crate::test_scenes::{floor, scene_of};
+
+    struct Prepared {
+        mesh: Mesh,
+        intersector: Intersector,
+        two_sided: Vec<bool>,
+    }
+
+    impl Prepared {
+        fn new(triangles: &[[Vec3; 3]]) -> Self {
+            let mesh = scene_of(triangles).mesh;
+            Self { intersector: Intersector::new(&mesh), two_sided: vec![false; mesh.triangles.len()], mesh }
+        }
+
+        fn surface(&self) -> MeshSurface<'_> {
+            MeshSurface::new(&self.mesh, &self.intersector, &self.two_sided, &|_| Vec3::splat(0.5))
+        }
+    }
 
     #[test]
     fn backs_of_one_sided_surfaces_do_not_exist_and_those_of_two_sided_ones_do() {
@@ -172,7 +189,7 @@ mod tests {
             assert_eq!(met(&prepared, from), one_by_one(&prepared, from));
         }
         assert_eq!([above, below].map(|from| met(&prepared, from).iter().flatten().count()), [1, 0]);
-        prepared.sides.two_sided = vec![true; 2];
+        prepared.two_sided = vec![true; 2];
         assert_eq!(prepared.surface().first_hit(below, Vec3::Y).unwrap().normal, Vec3::NEG_Y);
         assert_eq!(met(&prepared, below), one_by_one(&prepared, below));
         assert_eq!(met(&prepared, below).iter().flatten().count(), 4);
@@ -197,7 +214,7 @@ mod tests {
         assert!((points.len() as f32 * area - 4.0).abs() < 1e-3);
         let quarter = points.iter().filter(|p| p.position.x > 0.0 && p.position.z > 0.0).count();
         assert!((quarter as f32 / 250.0 - 1.0).abs() < 0.15, "{quarter}");
-        prepared.sides.two_sided = vec![true; 2];
+        prepared.two_sided = vec![true; 2];
         let (points, area) = prepared.surface().uniform_points(1000, 1);
         assert!((points.len() as f32 * area - 8.0).abs() < 1e-2);
         assert!(points.iter().any(|p| p.normal.y < 0.0) && points.iter().any(|p| p.normal.y > 0.0));
