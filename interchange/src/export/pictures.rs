@@ -103,3 +103,18 @@ pub fn pictures_beside(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-maps"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layer_is_in_the_name_of_its_file() {
+        let mut folder = PictureFolder::beside(Path::new("a.mtlx"), &[]);
+        let mut name = |name: &str| {
+            let encoded = [0x76, 0x2f, 0x31, 0x01].as_slice().into();
+            folder.name_of(&Texture { encoded, ..Texture::missing(name) })
+        };
+        assert_eq!(["b/wood.exr#View.N/1", "wood.exr"].map(&mut name), ["wood_View.N_1.exr", "wood.exr"]);
+    }
+}
