@@ -2,7 +2,7 @@
 
 use crate::common::Folder;
 use lapidary_core::image::Image;
-use lapidary_interchange::image;
+use lapidary_interchange::image::{self, Layer, LayeredImage, Metadata};
 use serde_json::Value;
 use std::fs;
 
@@ -47,6 +47,31 @@ fn materials_and_pictures_tell_what_of_them_is_left_out() {
         let message = folder.fail(&format!("info {file}"));
         assert!(message.contains(what), "{message}");
     }
+}
+
+#[test]
+fn layers_of_a_picture_are_listed_and_chosen_by_name_wherever_a_picture_is_named() {
+    let folder = Folder::new();
+    let filled = |value| Image::filled([8, 4], glam::Vec3::splat(value));
+    let layers = vec![Layer::color("", &filled(1.0)), Layer::color("Half", &filled(0.5))];
+    let picture = LayeredImage { size: [8, 4], layers, metadata: Metadata::default() };
+    picture.write(&folder.path("a.exr")).expect("a writable folder");
+    let text = folder.succeed("info a.exr");
+    assert!(text.ends_with("floats\nlayer      RGBA\nof         Half\n"), "{text}");
+    let text = folder.succeed("info a.exr#half");
+    assert!(text.contains("layer      half\nof         RGBA\n"), "{text}");
+    let told = json(&folder, "a.exr");
+    assert_eq!((&told["layers"], &told["layer"]), (&serde_json::json!(["RGBA", "Half"]), &"RGBA".into()));
+    image::write(&filled(0.5), &folder.path("half.exr")).expect("a writable folder");
+    folder.succeed("compare a.exr#Half half.exr --fail-above rmse=1e-6");
+    let compared = folder.run("compare a.exr half.exr --fail-above rmse=1e-6");
+    assert_eq!(compared.status.code(), Some(3), "negative control");
+    let message = folder.fail("compare a.exr#gone half.exr");
+    assert!(message.contains("gone") && message.contains("RGBA, Half"), "{message}");
+    folder.bake("a.cuts", "");
+    let message = folder.fail("render a.cuts --env a.exr#gone --out b.png");
+    assert!(message.contains("RGBA, Half"), "{message}");
+    folder.succeed("render a.cuts --env a.exr#Half --out b.png");
 }
 
 #[test]

@@ -37,14 +37,6 @@ pub enum ImageError {
         /// What is missing.
         reason: String,
     },
-    /// The primaries that the file names span no colors.
-    #[error("the file names primaries that span no colors ({space}); export it again in linear Rec. 709 ({})", path.display())]
-    Primaries {
-        /// Path of the file.
-        path: PathBuf,
-        /// The chromaticities.
-        space: String,
-    },
     /// The extension is not a writable format.
     #[error("the extension of the output is not a picture format; end the name in .exr, .hdr or .png ({})", path.display())]
     UnknownExtension {

@@ -8,12 +8,14 @@
 mod color;
 mod edit_row;
 pub mod entries;
+mod layers;
 mod layout;
 mod texture;
 pub mod units;
 
 pub use color::{color_row, display_color};
 pub use edit_row::edit_row;
+pub use layers::Layers;
 pub use layout::{RowName, row, row_of};
 pub use texture::texture_of;
 

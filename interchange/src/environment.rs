@@ -1,6 +1,6 @@
 //! Environments by name: a map file or a formula.
 
-use crate::image::{self, PictureFormat};
+use crate::image::{self, PictureFormat, file_and_layer};
 use glam::Vec3;
 use lapidary_core::{
     environment::{Environment, MOST_RADIANCE, constant, orientation, studio, sun_and_sky},
@@ -29,8 +29,8 @@ pub enum EnvironmentError {
     },
 }
 
-/// Reads an hdr or exr file, or, with a warning, a png, jpg or tga, with its colors in this space. Also returns the
-/// repairs, in sentences.
+/// Reads an hdr or exr file, a layer of one ([`file_and_layer`]), or, with a warning, a png, jpg or tga, with its colors in this
+/// space. Also returns the repairs, in sentences.
 ///
 /// # Errors
 /// A file that is unreadable or not a picture.
@@ -42,8 +42,7 @@ pub fn read(path: &Path, color_space: ColorSpace) -> Result<(Environment, Vec<St
             "the environment is of low dynamic range, so its lights are too dim; use an .hdr or .exr file".into(),
         );
     }
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    let (environment, repairs) = Environment::repaired(name, map);
+    let (environment, repairs) = Environment::repaired(image::name_of(path), map);
     warnings.extend(repairs);
     Ok((environment, warnings))
 }
@@ -73,13 +72,16 @@ pub fn from_spec_in(spec: &str, color_space: ColorSpace) -> Result<(Environment,
         ("studio", None) => Ok(studio()),
         ("orientation", None) => Ok(orientation()),
         ("studio" | "orientation", Some(_)) => Err(format!("{formula} takes no numbers")),
-        _ if Path::new(spec).exists() || Path::new(spec).extension().is_some() => {
-            return read(Path::new(spec), color_space);
-        }
+        _ if is_path(Path::new(spec)) => return read(Path::new(spec), color_space),
         _ => Err("there is no such environment".into()),
     };
     let map = map.map_err(|reason| EnvironmentError::Spec { spec: spec.into(), reason })?;
     Ok((Environment::new(spec.into(), map), Vec::new()))
+}
+
+fn is_path(spec: &Path) -> bool {
+    let (file, _) = file_and_layer(spec);
+    file.exists() || file.extension().is_some()
 }
 
 fn parse_numbers(text: &str) -> Result<Vec<f32>, String> {

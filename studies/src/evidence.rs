@@ -25,7 +25,7 @@ use anyhow::{Result, bail};
 use cases::{Case, Plan};
 use clap::Args;
 use lapidary_core::environment::Environment;
-use lapidary_interchange::{environment, formats::SceneFormat};
+use lapidary_interchange::{environment, formats::SceneFormat, image::file_and_layer};
 use notebook::{Head, Notebook};
 use scale::MeasurementScale;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ impl EvidenceArgs {
     /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let names = [notebook::PAGE, notebook::FIGURES, "fig5-*.png", "fig7-*.png", "implicit-*.png", "*-bounces.cuts"];
-        let environment = Some(Path::new(&self.env)).filter(|path| path.is_file());
+        let environment = Some(file_and_layer(Path::new(&self.env)).0).filter(|path| path.is_file());
         CommandFiles::default().reads(environment).reads(&self.scenes).reads(&self.data).fills(&self.out, names)
     }
 }

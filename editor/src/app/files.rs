@@ -14,9 +14,10 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::{brdf::BrdfFile, input, texture::Texture};
-use lapidary_interchange::import::ImportOptions;
+use lapidary_interchange::{image::file_and_layer, import::ImportOptions};
 use lapidary_studies::args::shader_source;
 use std::{
+    collections::BTreeSet,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -70,10 +71,13 @@ impl EditorState {
                 continue;
             }
             let environment = &self.work.document.environment;
-            let source = if environment.file() == Some(&path) {
-                self.environments.forget_picture(&environment.spec);
-                Source::Environment { spec: environment.spec.clone(), color_space: environment.color_space }
-            } else if self.work.document.scene.as_ref() == Some(&path) {
+            if let Some(map) = environment.file().filter(|map| file_and_layer(map).0 == path) {
+                let (spec, color_space) = (environment.spec.clone(), environment.color_space);
+                self.environments.forget_picture(&spec);
+                self.loader.load(Topic::Reload(map.to_owned()), Source::Environment { spec, color_space });
+                continue;
+            }
+            let source = if self.work.document.scene.as_ref() == Some(&path) {
                 let allow_outside = self.work.preferences.outside.allow(&path);
                 let scene = self.work.document.scene_in_file.clone();
                 Source::Scene {
@@ -82,12 +86,22 @@ impl EditorState {
                 }
             } else if is_brdf {
                 Source::Brdf(path.clone())
-            } else if may_be_read(&path, &self.work.document, &self.work.preferences.outside) {
-                Source::Texture(path.clone())
             } else {
+                self.reload_pictures(&path);
                 continue;
             };
             self.loader.load(Topic::Reload(path), source);
+        }
+    }
+
+    /// Reloads the textures of a file, each with its layer.
+    fn reload_pictures(&mut self, file: &Path) {
+        let document = &self.work.document;
+        let named = document.textures.iter().filter_map(|entry| document.file_of(entry));
+        let named: BTreeSet<PathBuf> = named.filter(|path| file_and_layer(path).0 == file).collect();
+        let may_be_read = |path: &PathBuf| may_be_read(path, document, &self.work.preferences.outside);
+        for path in named.into_iter().filter(may_be_read) {
+            self.loader.load(Topic::Reload(path.clone()), Source::Texture(path));
         }
     }
 
@@ -136,7 +150,8 @@ fn into_environment(loaded: Loaded) -> Result<LoadedEnvironment, String> {
 /// Whether a picture was chosen by the user, lies in the scene's folder, or is allowed outside it.
 fn may_be_read(picture: &Path, document: &Document, allowed: &AllowedFolders) -> bool {
     let is_chosen = document.textures.iter().any(|entry| entry.file.as_deref() == Some(picture));
-    let of_scene = |scene: &Path| input::is_inside(&folder_of(scene), picture) || allowed.allow(scene);
+    let of_scene =
+        |scene: &Path| input::is_inside(&folder_of(scene), file_and_layer(picture).0) || allowed.allow(scene);
     is_chosen || document.scene.as_deref().is_some_and(of_scene)
 }
 

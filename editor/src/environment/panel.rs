@@ -11,10 +11,10 @@ pub use library::LibraryEntry;
 pub use thumbnail::thumbnail;
 
 use crate::{
-    actions::Action,
+    actions::{Action, EnvironmentAction},
     document::{Document, Edit, EnvironmentSettings, Orientation, SunChoice},
     widgets::{
-        Edited, Number, check_row, choice_row, color_row, edit_row,
+        Edited, Layers, Number, check_row, choice_row, color_row, edit_row,
         entries::{Decades, GIVEN_SPACES, combo_row, decades_row},
         section, slider_row,
     },
@@ -59,6 +59,7 @@ pub struct EnvironmentContext<'a> {
 pub struct EnvironmentPanel {
     map_view: map_view::MapView,
     formulas: library::FormulaThumbnails,
+    layers: Layers,
 }
 
 /// Shows the panel.
@@ -66,6 +67,10 @@ pub fn show(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentCont
     map_view::show(ui, &mut state.map_view, context, actions);
     if let Some(message) = context.message {
         ui.label(RichText::new(message).color(ui.visuals().warn_fg_color));
+    }
+    if let (Some(map), Some(environment)) = (context.document.environment.file(), context.environment) {
+        let chosen = state.layers.row(ui, map, Arc::as_ptr(environment).addr()).map(Some);
+        actions.extend(chosen.map(EnvironmentAction::Load).map(Action::Environment));
     }
     placement(ui, &context.document.environment, actions);
     color_space(ui, &context.document.environment, actions);

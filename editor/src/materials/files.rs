@@ -13,6 +13,7 @@ use lapidary_core::{
     texture::{Texture, TextureSlot},
 };
 use lapidary_interchange::{
+    image::file_and_layer,
     import::{MaterialFile, SlotFile, is_materialx},
     materialx::{self, Surface},
 };
@@ -68,7 +69,8 @@ pub fn use_material(
     }
     for texture in added {
         let (texture, path) = (texture.clone(), folder.join(&texture.name));
-        work.document.textures.push(TextureEntry { texture, file: path.is_file().then_some(path) });
+        let is_there = file_and_layer(&path).0.is_file();
+        work.document.textures.push(TextureEntry { texture, file: is_there.then_some(path) });
     }
     let Some(old) = work.document.materials.get(index) else { return };
     // The bake decides which sides reflect.

@@ -19,7 +19,7 @@ mod transfer;
 use crate::{
     actions::{Action, SelectAction},
     document::{Document, Edit},
-    widgets::{Edited, check_row, section},
+    widgets::{Edited, Layers, check_row, section},
 };
 use egui::{Color32, ComboBox, Rect, Sense, Ui, pos2, vec2};
 use lapidary_core::{
@@ -73,6 +73,7 @@ pub struct MaterialPanel {
     /// Maps whose horizontal and vertical scale are edited separately.
     unlinked: HashSet<(usize, &'static str)>,
     thumbnails: Thumbnails,
+    layers: Layers,
     patterns: PatternThumbnails,
     preview: Preview,
     presets: PresetBalls,

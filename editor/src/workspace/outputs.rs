@@ -3,6 +3,7 @@
 use super::Workspace;
 use crate::document::Document;
 use lapidary_core::{brdf::BrdfFile, output::check_output};
+use lapidary_interchange::image::file_and_layer;
 use std::path::{Path, PathBuf};
 
 /// Kind of output.
@@ -41,7 +42,8 @@ impl Workspace {
 pub fn files_in_use(document: &Document) -> Vec<PathBuf> {
     let slots = document.materials.iter().flat_map(|m| m.maps.slots());
     let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
-    let environment = document.environment.file().map(Path::to_owned);
+    let textures = textures.map(|path| file_and_layer(&path).0.to_owned());
+    let environment = document.environment.file().map(|path| file_and_layer(path).0.to_owned());
     let brdfs = brdf_files(document).map(|file| file.path.clone());
     let mut files: Vec<PathBuf> = textures.chain(brdfs).chain(environment).chain(document.scene.clone()).collect();
     files.sort();

@@ -3,7 +3,7 @@
 use super::error::ExportError;
 use crate::{
     file_format::FileFormat,
-    image::PictureFormat,
+    image::{PictureFormat, split},
     material_file::{MaterialFile, SlotFile},
 };
 use lapidary_core::{material::Material, output::write_atomically, texture::Texture};
@@ -77,12 +77,14 @@ impl<'a> PictureFolder<'a> {
 
     /// A unique portable name, with the extension of the picture's format.
     fn name_of(&mut self, texture: &Texture) -> String {
-        let last = texture.name.rsplit(['/', '\\']).next().unwrap_or_default();
+        let (file, layer) = split(&texture.name).unwrap_or((&texture.name, ""));
+        let last = file.rsplit(['/', '\\']).next().unwrap_or_default();
         let extension = PictureFormat::ending_of(&texture.encoded);
         let is_picture = PictureFormat::of(Path::new(last)).is_some();
         let stem = last.rsplit_once('.').filter(|_| is_picture).map_or(last, |(stem, _)| stem);
         let letter = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
-        let stem: String = stem.chars().map(letter).take(80).collect();
+        let separator = if layer.is_empty() { "" } else { "_" };
+        let stem: String = [stem, separator, layer].concat().chars().map(letter).take(80).collect();
         let stem = stem.trim_start_matches('.');
         let stem = if stem.is_empty() { "picture" } else { stem };
         let mut name = format!("{stem}.{extension}");
@@ -100,4 +102,19 @@ impl<'a> PictureFolder<'a> {
 pub fn pictures_beside(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-maps"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layer_is_in_the_name_of_its_file() {
+        let mut folder = PictureFolder::beside(Path::new("a.mtlx"), &[]);
+        let mut name = |name: &str| {
+            let encoded = [0x76, 0x2f, 0x31, 0x01].as_slice().into();
+            folder.name_of(&Texture { encoded, ..Texture::missing(name) })
+        };
+        assert_eq!(["b/wood.exr#View.N/1", "wood.exr"].map(&mut name), ["wood_View.N_1.exr", "wood.exr"]);
+    }
 }

@@ -187,8 +187,8 @@ const PICTURES: [Feature; 16] = [
     feature(
         Picture,
         "",
-        "EXR: parts and layers",
-        Approximated("one is read: the whole picture, as `RGBA` or `ViewLayer.Combined`"),
+        "EXR: parts and layers, the whole picture (`RGBA`, `ViewLayer.Combined`) or one by name (`FILE.exr#LAYER`)",
+        Read,
     ),
     feature(Picture, "", "EXR: chromaticities, converted to Rec. 709; a slot or an environment may give others", Read),
     feature(

@@ -2,10 +2,9 @@
 //! group by layer. The unnamed layer has `R`, `G`, `B` and `A`, which every program shows.
 
 mod metadata;
-mod read;
 
+pub(super) use metadata::text;
 pub use metadata::{MetaValue, Metadata};
-pub use read::read_layer;
 
 use super::primaries::chromaticities;
 use exr::prelude::{self as openexr, WritableImage};
@@ -18,6 +17,10 @@ use std::{
     io::{self, Cursor},
     path::Path,
 };
+
+/// How all layers are written.
+pub(super) const LOSSLESS: openexr::Encoding =
+    openexr::Encoding { compression: openexr::Compression::ZIP16, ..openexr::Encoding::SMALL_LOSSLESS };
 
 /// A layer: channels by name, each with one value per pixel, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,10 +95,8 @@ impl LayeredImage {
             })
         });
         // 16-bit floats would clip a sun above 65,504.
-        let encoding =
-            openexr::Encoding { compression: openexr::Compression::ZIP16, ..openexr::Encoding::SMALL_LOSSLESS };
         let channels = openexr::AnyChannels::sort(channels.collect());
-        let layer = openexr::Layer::new((size[0], size[1]), attributes, encoding, channels);
+        let layer = openexr::Layer::new((size[0], size[1]), attributes, LOSSLESS, channels);
         let mut image = openexr::Image::from_layer(layer);
         image.attributes.chromaticities = Some(chromaticities(&Primaries::REC_709));
         let mut bytes = Cursor::new(Vec::new());
@@ -107,7 +108,7 @@ impl LayeredImage {
 /// Name of a channel in a file.
 fn file_name(layer: &str, channel: &str) -> openexr::Text {
     let name = if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
-    metadata::text(&name)
+    text(&name)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::{
     ktx2,
+    layer_path::file_and_layer,
     open_exr::EXR_MAGIC,
     radiance,
     write::{encode_exr, encode_hdr, encode_png_with},
@@ -47,9 +48,9 @@ impl PictureFormat {
         self.encode.is_some()
     }
 
-    /// Whether a file has the extension of a format for light.
+    /// Whether a file, or a layer of one, has the extension of a format for light.
     pub fn is_of_light(path: &Path) -> bool {
-        Self::of(path).is_some_and(|format| format.is_light)
+        Self::of(file_and_layer(path).0).is_some_and(|format| format.is_light)
     }
 
     /// The usual extension of a picture file, by its first bytes.

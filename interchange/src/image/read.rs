@@ -4,9 +4,11 @@
 
 use super::{
     ktx2,
+    layer_path::{file_and_layer, name_of},
     open_exr::{self, EXR_MAGIC},
     radiance, tiff,
 };
+use glam::Vec3;
 use image::{
     ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits,
     error::{ImageFormatHint, UnsupportedError},
@@ -25,44 +27,59 @@ use std::{
 /// Largest readable picture in pixels: 16k x 16k, 4 GiB as four floats per pixel.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// Reads a texture from a picture file. Texels out of range are replaced, see [`Texels::sanitize`].
+/// Reads a texture from a picture file, or from a layer of it ([`file_and_layer`]). Texels out of range are replaced, see [`Texels::sanitize`].
 ///
 /// # Errors
 /// A file that is unreadable, not a picture, or too large.
 pub fn read_texture(path: &Path) -> Result<Texture, ImageError> {
-    let mut texture = texture_in(path, &mut Vec::new())?;
+    let mut texture = decode(&file_at(path)?, path)?;
     texture.texels.sanitize();
     Ok(texture)
 }
 
-/// The texture in a file, with its texels unchanged.
-fn texture_in(path: &Path, remarks: &mut Vec<String>) -> Result<Texture, ImageError> {
-    let bytes = input::read(path).map_err(|source| ImageError::Io { action: "read", path: path.into(), source })?;
-    decode_with(&bytes, path, remarks)
+fn file_at(path: &Path) -> Result<Vec<u8>, ImageError> {
+    let (file, _) = file_and_layer(path);
+    input::read(file).map_err(|source| ImageError::Io { action: "read", path: file.into(), source })
 }
 
-/// Reads a picture file with the colors that it says to have; 8-bit pictures are decoded from sRGB.
+/// Reads a picture file, or a layer of it ([`file_and_layer`]), with the colors that it says to have; 8-bit pictures are decoded
+/// from sRGB.
 ///
 /// # Errors
-/// A file that is unreadable, not a picture, or too large, or says what its colors are in a way that cannot be used.
+/// A file that is unreadable, not a picture, or too large, lacks the layer, or says what its colors are in a way that cannot be
+/// used.
 pub fn read(path: &Path) -> Result<Image, ImageError> {
     read_in(path, ColorSpace::Srgb)
 }
 
-/// Reads a picture file whose colors are in this space.
+/// Reads a picture file, or a layer of it, whose colors are in this space.
 ///
 /// # Errors
 /// The same as [`read`]; what the file says of its colors does not count where the space says it.
 pub fn read_in(path: &Path, color_space: ColorSpace) -> Result<Image, ImageError> {
-    let mut remarks = Vec::new();
-    let texture = texture_in(path, &mut remarks)?;
-    match remarks.pop() {
-        Some(remark) if color_space == ColorSpace::Srgb => Err(damaged(path, remark)),
-        _ => Ok(linear_image(&texture, color_space)),
-    }
+    let (file, layer) = file_and_layer(path);
+    linear_image(&file_at(path)?, file, layer, color_space)
 }
 
-/// Decodes the bytes of a picture file read from `path`, and keeps them with the texture.
+/// Reads one layer of an OpenEXR file: its colors in Rec. 709, its vectors, or its single channel repeated. Names match in any
+/// case, `-` matches `_`, and the last words of a long name suffice; `beauty` also means the unnamed layer.
+///
+/// # Errors
+/// A file that is unreadable or lacks the layer.
+pub fn read_layer(path: &Path, name: &str) -> Result<Image, ImageError> {
+    linear_image(&file_at(path)?, path, Some(name), ColorSpace::Srgb)
+}
+
+/// The names of the layers of a picture that [`file_and_layer`] accepts, the one that is shown by default first. A file of
+/// one layer or another format has none, as has an unreadable one.
+pub fn layers_in(path: &Path) -> Vec<String> {
+    let (file, _) = file_and_layer(path);
+    let names = input::open(file).ok().and_then(|opened| open_exr::names(BufReader::new(opened), file).ok());
+    names.filter(|names| names.len() > 1).unwrap_or_default()
+}
+
+/// Decodes the bytes of a picture file read from `path`, and keeps them with the texture. Of an OpenEXR file at a path that
+/// names a layer ([`file_and_layer`]), that layer alone is decoded and kept.
 ///
 /// Files of 8 and 16 bits keep their codes, because only the slot that uses them knows their encoding (sRGB or linear).
 ///
@@ -77,20 +94,31 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
 /// # Errors
 /// Damaged, foreign or oversized contents.
 pub fn decode_with(bytes: &[u8], path: &Path, remarks: &mut Vec<String>) -> Result<Texture, ImageError> {
+    let (file, layer) = file_and_layer(path);
+    let (size, texels) = texels(bytes, file, layer, remarks)?;
+    let alone = layer.map_or(Ok(None), |layer| open_exr::alone(bytes, file, layer))?;
+    let encoded = alone.map_or_else(|| Arc::from(bytes), Arc::from);
+    Ok(Texture { encoded, ..Texture::new(name_of(path), size, texels) })
+}
+
+fn texels(
+    bytes: &[u8],
+    path: &Path,
+    layer: Option<&str>,
+    remarks: &mut Vec<String>,
+) -> Result<([u32; 2], Texels), ImageError> {
     footprint(bytes, path)?.check(memory::available(), path)?;
-    let (size, texels) = if bytes.starts_with(&EXR_MAGIC) {
-        open_exr::decode(bytes, path, remarks)?
-    } else if bytes.starts_with(radiance::SIGNATURE) {
-        radiance::decode(bytes, path, remarks)?
-    } else if bytes.starts_with(ktx2::SIGNATURE) {
-        ktx2::decode(bytes, path)?
-    } else if tiff::is_of_gray_floats(bytes) {
-        tiff::decode(bytes, path)?
-    } else {
-        decode_common(bytes, path)?
-    };
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    Ok(Texture { encoded: Arc::from(bytes), ..Texture::new(name, size, texels) })
+    match layer {
+        _ if bytes.starts_with(&EXR_MAGIC) => open_exr::decode(bytes, path, layer, remarks),
+        Some(name) => {
+            let has = "only exr files have layers".into();
+            Err(ImageError::NoLayer { path: path.into(), name: name.into(), has })
+        }
+        None if bytes.starts_with(radiance::SIGNATURE) => radiance::decode(bytes, path, remarks),
+        None if bytes.starts_with(ktx2::SIGNATURE) => ktx2::decode(bytes, path),
+        None if tiff::is_of_gray_floats(bytes) => tiff::decode(bytes, path),
+        None => decode_common(bytes, path),
+    }
 }
 
 /// Memory of a picture, estimated from its header alone.
@@ -131,6 +159,7 @@ impl Footprint {
 /// # Errors
 /// Damaged, foreign or oversized contents.
 pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
+    let (path, _) = file_and_layer(path);
     if bytes.starts_with(&EXR_MAGIC) {
         // Only one of the parts is decoded.
         let parts = open_exr::headers(bytes, path)?;
@@ -173,11 +202,18 @@ pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
     Ok([width, height])
 }
 
-/// The RGB texels of a texture as a scene-linear picture in Rec. 709.
-fn linear_image(texture: &Texture, color_space: ColorSpace) -> Image {
-    let texels = &texture.texels;
-    let pixels = (0..texels.count()).map(|i| texels.at(i, color_space).truncate()).collect();
-    Image { size: texture.size, pixels }
+/// The RGB texels of a picture, scene-linear in Rec. 709.
+fn linear_image(bytes: &[u8], path: &Path, layer: Option<&str>, color_space: ColorSpace) -> Result<Image, ImageError> {
+    let mut remarks = Vec::new();
+    let (size, texels) = texels(bytes, path, layer, &mut remarks)?;
+    match remarks.pop() {
+        Some(remark) if color_space == ColorSpace::Srgb => Err(damaged(path, remark)),
+        _ => Ok(Image { size, pixels: linear_pixels(&texels, color_space) }),
+    }
+}
+
+fn linear_pixels(texels: &Texels, color_space: ColorSpace) -> Vec<Vec3> {
+    (0..texels.count()).map(|i| texels.at(i, color_space).truncate()).collect()
 }
 
 pub(super) fn damaged(path: &Path, reason: impl ToString) -> ImageError {
@@ -269,7 +305,6 @@ impl Depth {
 mod tests {
     use super::*;
     use crate::image::{encode_png, write::encode};
-    use glam::Vec3;
 
     fn ramp() -> Image {
         Image::from_fn([13, 7], |x, y| Vec3::new(x as f32 / 12.0, y as f32 / 6.0, 0.25))
@@ -294,8 +329,8 @@ mod tests {
         let eight = png(DynamicImage::ImageLuma8(image::ImageBuffer::from_pixel(2, 1, image::Luma([128]))));
         let eight = decode(&eight, Path::new("a.png")).unwrap();
         assert_eq!(eight.texels, Texels::U8(vec![[128, 128, 128, 255]; 2]));
-        let difference =
-            linear_image(&texture, ColorSpace::Srgb).pixels[0] - linear_image(&eight, ColorSpace::Srgb).pixels[0];
+        let [deep, codes] = [&texture, &eight].map(|t| linear_pixels(&t.texels, ColorSpace::Srgb)[0]);
+        let difference = deep - codes;
         assert!(difference.abs().max_element() < 1e-6, "{difference}");
         let colour = DynamicImage::ImageRgb16(image::ImageBuffer::from_pixel(2, 1, image::Rgb([300, 0, 65535])));
         let texture = decode(&png(colour), Path::new("colour.png")).unwrap();
@@ -386,8 +421,8 @@ mod tests {
     #[test]
     fn eight_bit_pictures_decode_from_srgb() {
         let texture = decode(&encode_png(&ramp()), Path::new("a.png")).unwrap();
-        let (read, expected) = (linear_image(&texture, ColorSpace::Srgb), ramp());
-        let worst = read.pixels.iter().zip(&expected.pixels).map(|(a, b)| (*a - *b).abs().max_element());
+        let (read, expected) = (linear_pixels(&texture.texels, ColorSpace::Srgb), ramp());
+        let worst = read.iter().zip(&expected.pixels).map(|(a, b)| (*a - *b).abs().max_element());
         assert!(worst.fold(0.0, f32::max) < 0.005);
         // Negative control: the same bytes read as linear are far off in the middle of the ramp.
         assert!((texture.texel(6, 3, ColorSpace::Linear).x - 0.5).abs() > 0.1);

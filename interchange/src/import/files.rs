@@ -4,7 +4,7 @@
 
 use super::budget::{Budget, OverBudget};
 use crate::{
-    image::decode_with,
+    image::{decode_with, file_and_layer, name_of, split, with_layer},
     import::report::{ImportError, ImportOptions, ImportReport},
     names::listed,
 };
@@ -98,14 +98,19 @@ impl Files {
         }
     }
 
-    /// The file that `name` refers to, with either kind of slash and in any case. If its path leads nowhere, or outside, only the
+    /// The file that `name` refers to, or the layer of it that it names ([`file_and_layer`]), with either kind of slash and in
+    /// any case. If its path leads nowhere, or outside, only the
     /// file's name counts. This finds files with another machine's paths, and files copied into the folder.
     pub fn find(&mut self, name: &str) -> Result<PathBuf, Trouble> {
         let parts = name.trim().trim_matches('"').replace('\\', "/");
         let last = parts.rsplit('/').next().unwrap_or(&parts);
         let named = self.listings.file(&self.folder, &parts);
         let beside = if last == parts { None } else { self.listings.file(&self.folder, last) };
-        self.allowed(name, named.into_iter().chain(beside).collect())
+        let found: Vec<_> = named.into_iter().chain(beside).collect();
+        match split(name.trim().trim_matches('"')) {
+            Some((file, layer)) if found.is_empty() => self.find(file).map(|file| with_layer(&file, layer)),
+            _ => self.allowed(name, found),
+        }
     }
 
     /// The file at the path `name` from the folder, in any case.
@@ -129,6 +134,7 @@ impl Files {
 
     /// The contents of a found file.
     pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, Trouble> {
+        let (path, _) = file_and_layer(path);
         let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
         self.budget.take(length)?;
         self.read.push(path.into());
@@ -142,7 +148,7 @@ impl Files {
     pub fn decode(&mut self, bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
         let mut remarks = Vec::new();
         let texture = decode_with(bytes, path, &mut remarks)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name_of(path);
         self.remarks.extend(remarks.into_iter().map(|remark| format!("the picture \"{name}\": {remark}")));
         Ok(texture)
     }

@@ -7,7 +7,7 @@ use super::{
     textures::sanitized,
 };
 use crate::{
-    image::footprint,
+    image::{file_and_layer, footprint},
     import::{
         files::read_file,
         report::{ImportError, ImportOptions, ImportReport},
@@ -21,11 +21,12 @@ use lapidary_core::{
     input,
     material::{Material, map_color_space},
     scene::Scene,
-    texture::{ColorSpace, Procedural, TextureSlot},
+    texture::{ColorSpace, Procedural, Texture, TextureSlot},
 };
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 /// Splits a material's path into file and material name. A MaterialX document holds several materials, and
@@ -120,7 +121,7 @@ pub fn pictures_of_material(path: &Path) -> Vec<PathBuf> {
         let slots = read.iter().flat_map(|file| file.maps.slots());
         let brdf = read.iter().flat_map(|material| &material.file).map(|file| file.path.to_string_lossy());
         let names: Vec<_> = slots.filter_map(SlotFile::picture).map(Into::into).chain(brdf).collect();
-        names.into_iter().filter_map(move |name| files.find(&name).ok())
+        names.into_iter().filter_map(move |name| Some(file_and_layer(&files.find(&name).ok()?).0.to_path_buf()))
     });
     found.collect::<BTreeSet<_>>().into_iter().collect()
 }
@@ -215,20 +216,29 @@ impl MaterialLoader<'_> {
     }
 
     fn texture(&mut self, name: &str) -> Result<u32, ImportError> {
-        let bytes = self.files.find(name).and_then(|file| self.files.read(&file)).map_err(|t| self.unread(t, name))?;
-        if let Some(known) =
-            self.scene.textures.iter().position(|texture| !bytes.is_empty() && *texture.encoded == *bytes)
-        {
-            return Ok(known as u32);
+        let found = self.files.find(name).map_err(|trouble| self.unread(trouble, name))?;
+        let names_layer = file_and_layer(&found).1.is_some();
+        let bytes = self.files.read(&found).map_err(|trouble| self.unread(trouble, name))?;
+        if let Some(known) = self.known(&bytes).filter(|_| !names_layer) {
+            return Ok(known);
         }
         let failed = |source| ImportError::Map { path: self.path.into(), source };
-        let footprint = footprint(&bytes, Path::new(name)).map_err(failed)?;
+        let footprint = footprint(&bytes, &found).map_err(failed)?;
         self.files.budget.take_picture(bytes.len(), footprint).map_err(|over| over.at(self.path))?;
-        let mut texture = self.files.decode(&bytes, Path::new(name)).map_err(failed)?;
+        let mut texture = self.files.decode(&bytes, &found).map_err(failed)?;
         texture.name = name.to_owned();
+        if let Some(known) = self.known(&texture.encoded) {
+            return Ok(known);
+        }
         self.report.warnings.extend(sanitized(&mut texture));
         self.scene.textures.push(texture.into());
         Ok(self.scene.textures.len() as u32 - 1)
+    }
+
+    /// The texture with these bytes, if there is one.
+    fn known(&self, encoded: &[u8]) -> Option<u32> {
+        let same = |texture: &Arc<Texture>| !encoded.is_empty() && *texture.encoded == *encoded;
+        self.scene.textures.iter().position(same).map(|index| index as u32)
     }
 
     /// The error of an unread picture.

@@ -7,6 +7,7 @@ mod units;
 pub use relief::Relief;
 
 use super::{color_spaces, places::Places};
+use crate::image::split;
 use glam::{Affine2, Vec2, Vec3};
 use lapidary_core::texture::{Channel, ColorSpace, UvSet, Wrap};
 use roxmltree::{Document, Node, NodeId};
@@ -343,9 +344,7 @@ impl<'a> Graph<'a> {
         }
         // The innermost prefix counts.
         let prefix = told.ancestors().find_map(|around| around.attribute("fileprefix")).unwrap_or_default();
-        if self.word(node, "layer").is_some_and(|layer| !layer.is_empty()) {
-            self.remark(node, "the layer of the picture is chosen as in other pictures, not by its name");
-        }
+        let layer = self.layer(node, file);
         let kind =
             if node.has_tag_name("gltf_colorimage") { "color4" } else { node.attribute("type").unwrap_or("color3") };
         // Only colors are converted from a space. Float pictures that the document calls linear may name their own.
@@ -354,7 +353,7 @@ impl<'a> Graph<'a> {
             color_space => color_space.unwrap_or_default(),
         };
         let picture = Picture {
-            file: format!("{prefix}{file}"),
+            file: format!("{prefix}{file}{layer}"),
             color_space,
             channel: None,
             is_color: kind != "float",
@@ -366,6 +365,17 @@ impl<'a> Graph<'a> {
         };
         let found = Found::Picture(Box::new(picture));
         if output == Some("outa") { self.extracted(node, found, 3) } else { Ok(found) }
+    }
+
+    /// What the name of a picture's layer adds to that of its file.
+    fn layer(&self, node: XmlNode<'a>, file: &str) -> String {
+        let layer = self.word(node, "layer").filter(|layer| !layer.is_empty()).map(|layer| format!("#{layer}"));
+        let layer = layer.unwrap_or_default();
+        if layer.is_empty() || split(&format!("{file}{layer}")).is_some() {
+            return layer;
+        }
+        self.remark(node, "the layer of the picture is not chosen by its name, as only exr files have layers");
+        String::new()
     }
 
     /// What is shown beyond the edges of a picture.
@@ -395,6 +405,7 @@ impl<'a> Graph<'a> {
 
 /// Whether a picture of this name has float texels, which no transfer function encodes.
 pub fn holds_floats(file: &str) -> bool {
+    let (file, _) = split(file).unwrap_or((file, ""));
     let extension = file.rsplit('.').next().unwrap_or_default();
     ["exr", "hdr"].iter().any(|float| extension.eq_ignore_ascii_case(float))
 }

@@ -7,7 +7,10 @@ use super::{
     placement::{Placement, is_turned},
     surface::{OPACITY_CUTOFF, Row, Surface},
 };
-use crate::material_file::{MaterialFile, SlotFile};
+use crate::{
+    image::split,
+    material_file::{MaterialFile, SlotFile},
+};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{MapUse, Parameter, Value},
@@ -328,14 +331,18 @@ impl DocumentWriter {
             self.place2d(&format!("{name}_place"), &placement, slot.uv_set)?;
         }
         self.open(category, &[("name", name.clone()), ("type", kind.into())])?;
+        let (file, layer) = split(&slot.file).unwrap_or((&slot.file, ""));
         let mut file: Vec<Attribute> =
-            vec![("name", "file".into()), ("type", "filename".into()), ("value", slot.file.clone())];
+            vec![("name", "file".into()), ("type", "filename".into()), ("value", file.into())];
         if kind.starts_with("color")
             && let Some(space) = slot.color_space.and_then(|space| color_spaces::written(space, &slot.file))
         {
             file.push(("colorspace", space.into()));
         }
         self.empty("input", &file)?;
+        if !layer.is_empty() {
+            self.input("layer", "string", layer)?;
+        }
         match tiling {
             Some([tiling, offset]) => {
                 self.input("uvtiling", "vector2", pair(tiling))?;

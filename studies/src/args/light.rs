@@ -10,7 +10,7 @@ use lapidary_core::{
     lights::{Light, LightsFile},
     texture::ColorSpace,
 };
-use lapidary_interchange::environment;
+use lapidary_interchange::{environment, image::file_and_layer};
 use lapidary_render::{Components, Illumination, Renderer, Solution, is_buried};
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ const DARK: &str = "constant:0,0,0";
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Light")]
 pub(super) struct EnvironmentArgs {
-    /// Environment map: a latitude-longitude .hdr or .exr file, or one of constant:R,G,B (each 0 to 1e12),
+    /// Environment map: a latitude-longitude .hdr or .exr file (FILE.exr#LAYER for one of its layers), or one of constant:R,G,B (each 0 to 1e12),
     /// sun-sky:ELEVATION (0 to 90 degrees), studio, orientation and none [default: studio; none with --lights or if the
     /// dataset was baked without the environment]
     #[arg(long, value_name = "MAP")]
@@ -77,7 +77,7 @@ pub struct LocalLights {
 impl EnvironmentArgs {
     /// The environment file, unless a built-in map is named.
     pub fn input(&self) -> Option<&Path> {
-        self.env.as_deref().map(Path::new).filter(|path| path.is_file())
+        self.env.as_deref().map(|spec| file_and_layer(Path::new(spec)).0).filter(|path| path.is_file())
     }
 
     /// The environment; `studio` by default, or none if `local` names lights.

@@ -23,7 +23,7 @@ use std::{
 /// Options of `compare`.
 #[derive(Args, Clone, Debug)]
 pub struct CompareArgs {
-    /// Picture to measure: exr, hdr, png, jpg, tif, webp or tga
+    /// Picture to measure: exr (FILE.exr#LAYER for one of its layers), hdr, png, jpg, tif, webp or tga
     test: PathBuf,
     /// Reference of the same size
     reference: PathBuf,
@@ -60,7 +60,8 @@ impl CompareArgs {
     /// A picture of unknown format.
     pub fn files(&self) -> Result<CommandFiles> {
         check_pictures(self.out.as_slice())?;
-        Ok(CommandFiles::default().reads([&self.test, &self.reference]).writes(&self.out).writes(&self.json))
+        let inputs = [&self.test, &self.reference].map(|path| image::file_and_layer(path).0);
+        Ok(CommandFiles::default().reads(inputs).writes(&self.out).writes(&self.json))
     }
 }
 

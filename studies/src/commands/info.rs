@@ -34,7 +34,7 @@ pub struct InfoArgs {
 impl InfoArgs {
     /// Files that it reads.
     pub fn files(&self) -> CommandFiles {
-        CommandFiles::default().reads([&self.file])
+        CommandFiles::default().reads([image::file_and_layer(&self.file).0])
     }
 
     /// Prints the contents of the file.

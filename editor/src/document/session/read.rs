@@ -18,6 +18,7 @@ use lapidary_core::{
     material::{BrdfModel, map_names},
     texture::{Procedural, UvSet, Wrap},
 };
+use lapidary_interchange::image::file_and_layer;
 use lapidary_precompute::Preset;
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
@@ -88,7 +89,7 @@ pub fn read_json(path: &Path) -> Result<Map<String, Value>, SessionError> {
 fn missing_files(session: &mut Session) -> Vec<MissingFile> {
     let mut missing: Vec<MissingFile> = Vec::new();
     session.visit_paths(&mut |what, path| {
-        if !path.is_file() && !missing.iter().any(|m| m.path == *path) {
+        if !file_and_layer(path).0.is_file() && !missing.iter().any(|m| m.path == *path) {
             missing.push(MissingFile { what, path: path.clone() });
         }
     });

@@ -1,6 +1,7 @@
 //! Finds moved files by name, below a folder that the user chooses.
 
 use super::{LoadedSession, read::forget_what_can_be_baked};
+use lapidary_interchange::image::{file_and_layer, with_layer};
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -16,7 +17,11 @@ impl LoadedSession {
     /// Searches `folder` and below for the missing files by name. Returns the number found.
     pub fn relink(&mut self, folder: &Path) -> usize {
         let files = files_below(folder);
-        let find = |missing: &Path| Some((missing.to_owned(), best(&files, missing)?));
+        let find = |missing: &Path| {
+            let (file, layer) = file_and_layer(missing);
+            let found = best(&files, file)?;
+            Some((missing.to_owned(), layer.map_or_else(|| found.clone(), |layer| with_layer(&found, layer))))
+        };
         let found: HashMap<PathBuf, PathBuf> = self.missing.iter().filter_map(|m| find(&m.path)).collect();
         self.session.visit_paths(&mut |_, path| {
             if let Some(new) = found.get(path) {

@@ -18,7 +18,7 @@ use lapidary_core::{
     brdf::{BrdfModel, Parameter},
     texture::{Channel, ColorSpace, Texels, TextureSlot, UvSet, Wrap},
 };
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 /// Side of a thumbnail in points.
 const THUMBNAIL: f32 = 26.0;
@@ -40,6 +40,9 @@ pub fn slot(
         let entry = entry.and_then(|slot| context.document.textures.get(slot.image()?));
         let shown = picture_row(ui, state, target, entry, changes, actions);
         if let Some(path) = dropped_on(ui, shown.rect) {
+            target.load(Some(path), actions);
+        }
+        if let Some(path) = entry.and_then(|entry| layer_row(ui, state, context, entry)) {
             target.load(Some(path), actions);
         }
         if changes.material.maps.get(target.kind).is_some() {
@@ -99,6 +102,18 @@ fn picture_row(
         changes.note("Remove map", Edited::at_once(true));
     }
     row.response
+}
+
+/// The layer of a picture's file, if it has several. Returns the path of the chosen one.
+fn layer_row(
+    ui: &mut Ui,
+    state: &mut MaterialPanel,
+    context: &MaterialContext,
+    entry: &TextureEntry,
+) -> Option<PathBuf> {
+    let path = context.document.file_of(entry)?;
+    // A changed file is loaded anew.
+    state.layers.row(ui, &path, Arc::as_ptr(&entry.texture).addr())
 }
 
 /// Text beside a thumbnail, and its tooltip.

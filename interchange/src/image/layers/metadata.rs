@@ -63,6 +63,6 @@ impl MetaValue {
 }
 
 /// A string of OpenEXR, in UTF-8.
-pub(super) fn text(words: &str) -> openexr::Text {
+pub(in super::super) fn text(words: &str) -> openexr::Text {
     openexr::Text::from_slice_unchecked(words.as_bytes())
 }

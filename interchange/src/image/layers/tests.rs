@@ -1,5 +1,5 @@
 use super::*;
-use crate::image::{read, write};
+use crate::image::{read, read_layer, write};
 use exr::meta::{MetaData, attribute::AttributeValue};
 use glam::{Mat4, Vec3};
 use lapidary_core::camera::Camera;
@@ -53,7 +53,7 @@ fn layers_are_prefixes_of_channels_in_one_part_and_are_read_back_exactly() {
 fn a_layer_that_is_not_there_is_an_error_that_lists_those_that_are() {
     let (folder, path) = written(layered());
     let message = read_layer(&path, "diffuse").unwrap_err().to_string();
-    for word in ["diffuse", "beauty", "environment", "normal", "merged_nodes", "a.exr"] {
+    for word in ["diffuse", "RGBA", "environment", "normal", "merged_nodes", "a.exr"] {
         assert!(message.contains(word), "{message}");
     }
     let png = folder.path().join("a.png");

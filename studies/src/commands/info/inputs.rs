@@ -24,8 +24,25 @@ pub(super) enum Input {
     Scene(Box<Imported>),
     /// A material, the names of all in its file, its textures and warnings.
     Material(Box<Material>, Vec<String>, Scene, Vec<String>),
-    /// A picture and its warnings.
-    Picture(Texture, Vec<String>),
+    /// A picture, its layers and warnings.
+    Picture(Texture, Layers, Vec<String>),
+}
+
+/// The layers of a picture; none if there is no choice.
+#[derive(Default)]
+pub(super) struct Layers {
+    all: Vec<String>,
+    /// The one that is read, as the path names it.
+    read: String,
+}
+
+impl Layers {
+    fn of(path: &Path) -> Self {
+        let all = image::layers_in(path);
+        let named = image::file_and_layer(path).1.map(str::to_owned);
+        let read = named.or_else(|| all.first().cloned()).unwrap_or_default();
+        Self { all, read }
+    }
 }
 
 impl Input {
@@ -44,14 +61,15 @@ impl Input {
             let (material, warnings) = load_material(path, &mut scene, &options)?;
             return Ok(Some(Self::Material(Box::new(material), materials_in_file(path), scene, warnings)));
         }
-        if PictureFormat::of(path).is_none() {
+        let (file, _) = image::file_and_layer(path);
+        if PictureFormat::of(file).is_none() {
             return Ok(None);
         }
-        let failed = |source| lapidary_core::image::ImageError::Io { action: "read", path: path.into(), source };
+        let failed = |source| lapidary_core::image::ImageError::Io { action: "read", path: file.into(), source };
         let mut warnings = Vec::new();
-        let mut texture = image::decode_with(&input::read(path).map_err(failed)?, path, &mut warnings)?;
+        let mut texture = image::decode_with(&input::read(file).map_err(failed)?, path, &mut warnings)?;
         warnings.extend(sanitized(&mut texture));
-        Ok(Some(Self::Picture(texture, warnings)))
+        Ok(Some(Self::Picture(texture, Layers::of(path), warnings)))
     }
 
     pub fn json(&self) -> Value {
@@ -64,10 +82,12 @@ impl Input {
                 "textures": scene.textures.iter().map(|texture| &texture.name).collect::<Vec<_>>(),
                 "warnings": warnings,
             }),
-            Self::Picture(texture, warnings) => json!({
+            Self::Picture(texture, layers, warnings) => json!({
                 "width": texture.size[0],
                 "height": texture.size[1],
                 "texels": depth(texture),
+                "layers": layers.all,
+                "layer": layers.read,
                 "warnings": warnings,
             }),
         }
@@ -82,9 +102,13 @@ impl Input {
                     + &lines("of         ", all.iter().filter(|other| *other != name))
                     + &lines(WARNING, warnings)
             }
-            Self::Picture(texture, warnings) => {
+            Self::Picture(texture, layers, warnings) => {
                 let [width, height] = texture.size;
-                format!("picture    {width} x {height} texels, {}\n", depth(texture)) + &lines(WARNING, warnings)
+                let read = Some(&layers.read).filter(|read| !read.is_empty());
+                format!("picture    {width} x {height} texels, {}\n", depth(texture))
+                    + &lines("layer      ", read)
+                    + &lines("of         ", layers.all.iter().filter(|other| **other != layers.read))
+                    + &lines(WARNING, warnings)
             }
         }
     }
