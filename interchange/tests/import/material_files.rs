@@ -86,7 +86,7 @@ fn a_picture_that_cannot_be_read_is_told_with_the_material_that_names_it() {
         let message = error.to_string();
         assert!(matches!(error, ImportError::Map { .. }), "{name}: {message}");
         assert!(message.ends_with("x.json)") && message.contains("map of the material"), "{message}");
-        assert!(name.starts_with('\\') || message.contains(&format!("({name})")), "{name}: {message}");
+        assert!(name.starts_with('\\') || message.contains(&format!("{name})")), "{name}: {message}");
     }
 }
 
