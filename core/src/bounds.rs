@@ -41,6 +41,19 @@ impl Bounds {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
+    /// Whether a ray passes the box within some distance in units of the direction's length. Rays along a face count.
+    pub fn meets_ray(&self, origin: Vec3, direction: Vec3, within: f32) -> bool {
+        let (mut enters, mut leaves) = (0.0_f32, within);
+        for axis in 0..3 {
+            let inverse = 1.0 / direction[axis];
+            let (a, b) = ((self.min[axis] - origin[axis]) * inverse, (self.max[axis] - origin[axis]) * inverse);
+            // Zero times infinity: the ray lies in the plane of a face. `min` and `max` drop NaN.
+            enters = enters.max(if a.is_nan() || b.is_nan() { enters } else { a.min(b) });
+            leaves = leaves.min(if a.is_nan() || b.is_nan() { leaves } else { a.max(b) });
+        }
+        enters <= leaves
+    }
+
     /// Center of the box.
     pub fn center(&self) -> Vec3 {
         0.5 * (self.min + self.max)

@@ -49,6 +49,7 @@ pub mod color;
 pub mod cut;
 pub mod dataset;
 pub mod environment;
+pub mod gather_table;
 pub mod ground;
 pub mod image;
 pub mod implicit;

@@ -1,8 +1,13 @@
 //! A triangle mesh as a surface for light transport.
 
+mod carrier;
+
+pub use carrier::CarryingMesh;
+
 use crate::{
     bounds::Bounds,
     mesh::Mesh,
+    meshless::Owner,
     ray::{Hit, Intersector},
     surfel::{Surface, Surfel},
 };
@@ -65,21 +70,37 @@ impl<'a> MeshSurface<'a> {
         (self.mesh.triangle_object[triangle], self.mesh.triangle_material[triangle])
     }
 
+    /// The side of a part that a point of the mesh belongs to.
+    pub fn owner(&self, at: &Surfel) -> Owner {
+        let (object, material) = self.part(at);
+        Owner { object, material, back: !self.is_front(at) }
+    }
+
     /// Points spread uniformly over all sides of the mesh, and the area in m² that each represents.
     ///
     /// They are stratified: one per stretch of equal area along the list of triangles.
     pub fn uniform_points(&self, count: usize, seed: u64) -> (Vec<Surfel>, f32) {
+        self.points_on(0..self.mesh.triangles.len(), count, seed)
+    }
+
+    /// [`Self::uniform_points`] on some triangles.
+    pub fn points_on(
+        &self,
+        triangles: impl Iterator<Item = usize> + Clone,
+        count: usize,
+        seed: u64,
+    ) -> (Vec<Surfel>, f32) {
         let mut rng = fastrand::Rng::with_seed(seed);
         let sides = |t: usize| if self.two_sided[t] { 2.0 } else { 1.0 };
         let area = |t: usize| match self.is_far(t as u32) {
             true => 0.0,
             false => 0.5 * f64::from(self.mesh.area_vector(t).length()) * sides(t),
         };
-        let total: f64 = (0..self.mesh.triangles.len()).map(area).sum();
+        let total: f64 = triangles.clone().map(area).sum();
         let step = total / count.max(1) as f64;
         let mut points = Vec::with_capacity(count);
         let (mut end, mut next) = (0.0, step * rng.f64());
-        for t in 0..self.mesh.triangles.len() {
+        for t in triangles {
             end += area(t);
             while next < end {
                 points.push(self.random_point(t, &mut rng));

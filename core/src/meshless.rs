@@ -11,19 +11,28 @@
 //! * [`Transport`]: the single-bounce operator (3.1) as `precompute` refined it
 //! * [`Solver`]: direct light to indirect light at run time, bounce by bounce (3.3)
 //! * [`Flattening`]: the solution at fixed points
+//!
+//! [`ObjectBases`] and [`Radiosity`] are from Zollhöfer and Stamminger, *Meshless Radiosity on the GPU* (2011), "meshless radiosity":
+//! a basis that moves with its objects, and a solution without links.
 
 mod basis;
 mod flatten;
+mod function_tree;
 mod grid;
+mod object_bases;
 mod projection;
+mod radiosity;
 mod sampling;
 mod solve;
 mod transport;
 
 pub use basis::{Basis, BasisError, MOST_LEVELS};
 pub use flatten::Flattening;
+pub use function_tree::FunctionTree;
 pub use grid::{Cell, FunctionGrid};
+pub use object_bases::{Carrier, ObjectBases, Owner, RayEnd};
 pub use projection::Projection;
+pub use radiosity::{LitFunctions, Radiosity, RadiosityLight, RadiositySettings};
 pub use sampling::SenderSamples;
 pub use solve::{Solution, SolveSettings, Solver};
 pub use transport::{PackedLink, Transport, TransportError, irradiance};

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// A sparse matrix by rows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SparseRows {
     /// Start of each row in `entries`, and the end of the last.
     offsets: Vec<u32>,

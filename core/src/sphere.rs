@@ -33,6 +33,15 @@ pub fn frame_around(normal: Vec3) -> Mat3 {
     Mat3::from_cols(tangent, bitangent, normal)
 }
 
+/// The `i`-th of `n` directions of equal solid angle over the hemisphere around +Z. `turn` rotates the set around the axis by a
+/// share of a turn, and `shift`, 0 to 1, is the place of the direction in its stratum along the axis.
+pub fn lattice_direction(i: usize, n: usize, turn: f32, shift: f32) -> Vec3 {
+    let z = (i as f32 + shift) / n as f32;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (TAU * ((i as f32 * GOLDEN_TURN).fract() + turn)).sin_cos();
+    Vec3::new(r * cos, r * sin, z)
+}
+
 /// A uniformly distributed direction from two numbers in [0, 1).
 pub fn uniform_direction(u: f32, v: f32) -> Vec3 {
     let y = 1.0 - 2.0 * u;

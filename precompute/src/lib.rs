@@ -16,6 +16,7 @@
 mod bake;
 mod errors;
 mod meshless;
+mod object_bases;
 mod observer;
 mod setting;
 mod shard;
@@ -37,6 +38,7 @@ pub use bake::{
 pub use bake::{most_vertices, tessellation_units};
 pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError, ShardError};
 pub use meshless::meshless_bake;
+pub use object_bases::{ObjectBasesSettings, place_object_bases};
 pub use observer::{Event, Observer, Phase, Silent};
 pub use setting::{Naming, Setting};
 pub use shard::Shard;

@@ -105,13 +105,8 @@ impl Basis {
         if !(1..=radii.len()).contains(&sender_levels) {
             return Err(BasisError::SenderLevels { sender_levels, levels: radii.len() });
         }
-        let usable = |p: &Surfel| is_within_reach(p.position) && is_unit(p.normal);
-        if let Some(point) = points.iter().position(|p| !usable(p)) {
-            return Err(BasisError::Point { point });
-        }
-        if let Some(level) = radii.iter().position(|r| !RADII.contains(r)) {
-            return Err(BasisError::Radius { level, radius: radii[level] });
-        }
+        check_points(&points)?;
+        check_radii(&radii)?;
         let levels: Vec<Range<usize>> = (0..radii.len()).map(|level| range(&offsets, level)).collect();
         let grid = FunctionGrid::new(&points, &levels, &radii);
         Ok(Self { points, offsets, radii, sender_levels, grid })
@@ -265,6 +260,20 @@ impl Basis {
             let shifted = |&(point, value): &(u32, f32)| (point + others.start as u32, value);
             out.extend(by_function.row(range.start + row).iter().map(shifted));
         })
+    }
+}
+
+/// Checks that points are on a scene.
+pub(super) fn check_points(points: &[Surfel]) -> Result<(), BasisError> {
+    let usable = |p: &Surfel| is_within_reach(p.position) && is_unit(p.normal);
+    points.iter().position(|p| !usable(p)).map_or(Ok(()), |point| Err(BasisError::Point { point }))
+}
+
+/// Checks that squares of radii are in range.
+pub(super) fn check_radii(radii: &[f32]) -> Result<(), BasisError> {
+    match radii.iter().position(|r| !RADII.contains(r)) {
+        Some(level) => Err(BasisError::Radius { level, radius: radii[level] }),
+        None => Ok(()),
     }
 }
 

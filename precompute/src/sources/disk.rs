@@ -15,7 +15,7 @@ use lapidary_core::{
 /// Consecutive rejections after which a set counts as full (2000 in the paper).
 const FAILURES: usize = 2000;
 /// Squared radius of a set relative to the area per point.
-pub(super) const DENSITY: f32 = 0.79;
+pub(crate) const DENSITY: f32 = 0.79;
 /// Rays of the openness test: half the directions of a sphere.
 const OPENNESS_RAYS: usize = 32;
 /// Largest number of points of a set, for surfaces too large for their radius. A level that ends there causes a warning.

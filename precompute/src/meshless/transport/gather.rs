@@ -4,10 +4,10 @@ use glam::Vec3;
 use lapidary_core::{
     meshless::Basis,
     ray::{in_eights, spatial_order},
-    sphere::{GOLDEN_TURN, frame_around},
+    sphere::{frame_around, lattice_direction},
     surfel::Surface,
 };
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 
 /// Senders of a receiver in ascending order, and the vector irradiance from each.
 pub type Row = Vec<(u32, Vec3)>;
@@ -115,18 +115,10 @@ impl<'a> Gatherer<'a> {
     }
 }
 
-/// The `i`-th of `n` directions spread evenly over the hemisphere around +Z. `turn` rotates the set around the axis,
-/// and `shift` moves it along the axis by a part of a stratum.
-fn lattice_direction(i: usize, n: usize, turn: f32, shift: f32) -> Vec3 {
-    let z = (i as f32 + shift) / n as f32;
-    let r = (1.0 - z * z).max(0.0).sqrt();
-    let (sin, cos) = (2.0 * PI * ((i as f32 * GOLDEN_TURN).fract() + turn)).sin_cos();
-    Vec3::new(r * cos, r * sin, z)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::PI;
 
     #[test]
     fn the_lattice_integrates_vector_irradiance() {

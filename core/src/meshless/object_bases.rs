@@ -1,0 +1,198 @@
+//! Bases of objects (meshless radiosity, 5 and 6): each object has levels of its own, so that its functions go wherever it goes.
+//!
+//! Functions lie on the surface as baked. A point of a moved, scaled or deformed object is found by its place on the mesh, so no
+//! pose is needed to evaluate them. All levels hold absolute values: each is a flat solution, finer than the one before.
+
+use super::grid::FunctionGrid;
+use crate::{
+    meshless::BasisError,
+    sparse::SparseRows,
+    surfel::{Surface, Surfel},
+    transport::Coefficient,
+};
+use glam::Vec3;
+use std::ops::Range;
+
+/// Where a ray ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RayEnd {
+    /// Nowhere: it sees the sky.
+    Sky,
+    /// At a surface that sends no light and hides the sky, as the back of a one-sided one.
+    Dark(Surfel),
+    /// At a surface.
+    Surface(Surfel),
+}
+
+/// A surface that carries functions.
+pub trait Carrier: Surface {
+    /// The ends of rays from one origin off any surface.
+    fn ends(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[RayEnd; 8]>;
+
+    /// The side of a part of an object that a point of the surface belongs to.
+    fn owner(&self, at: &Surfel) -> Owner;
+
+    /// A point of the surface where it was as baked.
+    fn as_baked(&self, at: &Surfel) -> Surfel;
+
+    /// A point of the surface as baked where it is now.
+    fn now(&self, as_baked: &Surfel) -> Surfel;
+
+    /// The unit normal by which a point of the surface receives light.
+    fn shading_normal(&self, at: &Surfel) -> Vec3;
+}
+
+/// What a function stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Owner {
+    /// Index of the object.
+    pub object: u32,
+    /// Index of the material of the mesh.
+    pub material: u32,
+    /// Whether it is the back of its triangles.
+    pub back: bool,
+}
+
+/// The functions of all objects, level by level, and by object within a level.
+#[derive(Clone)]
+pub struct ObjectBases {
+    points: Vec<Surfel>,
+    owners: Vec<Owner>,
+    /// First function of each level, and the end of the last.
+    offsets: Vec<u32>,
+    /// Radius of support of each level in meters.
+    radii: Vec<f32>,
+    sender_level: usize,
+    grid: FunctionGrid,
+    /// For each function: the functions of the level before in the same object that reach its point, with their values there.
+    parents: SparseRows,
+}
+
+impl ObjectBases {
+    /// Bases of these levels, coarsest first. The points of a level are sorted by their owner's object. Light is sent at
+    /// `sender_level`.
+    ///
+    /// # Errors
+    /// [`BasisError`] for numbers that contradict each other.
+    pub fn new(levels: &[Vec<(Surfel, Owner)>], radii: Vec<f32>, sender_level: usize) -> Result<Self, BasisError> {
+        let count = levels.iter().map(Vec::len).sum();
+        if levels.is_empty() || levels.len() != radii.len() || levels.len() > super::MOST_LEVELS {
+            return Err(BasisError::Levels { points: count });
+        }
+        if sender_level >= levels.len() {
+            return Err(BasisError::SenderLevels { sender_levels: sender_level + 1, levels: levels.len() });
+        }
+        let mut offsets = vec![0];
+        levels.iter().for_each(|level| offsets.push(offsets[offsets.len() - 1] + level.len() as u32));
+        let (points, owners): (Vec<Surfel>, Vec<Owner>) = levels.iter().flatten().copied().unzip();
+        super::basis::check_points(&points)?;
+        super::basis::check_radii(&radii)?;
+        let grid = grid(&points, &owners, &offsets, &radii);
+        let mut bases = Self { points, owners, offsets, radii, sender_level, grid, parents: SparseRows::default() };
+        bases.parents = SparseRows::build(bases.len(), |function, out| {
+            let level = bases.level_of(function as u32);
+            let (point, object) = (&bases.points[function], bases.owners[function].object);
+            level.checked_sub(1).into_iter().for_each(|above| bases.values(above, object, point, out));
+        });
+        Ok(bases)
+    }
+
+    /// Number of functions of all levels.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there are no functions.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Number of levels.
+    pub fn levels(&self) -> usize {
+        self.radii.len()
+    }
+
+    /// The functions of a level.
+    pub fn level(&self, level: usize) -> Range<usize> {
+        self.offsets[level] as usize..self.offsets[level + 1] as usize
+    }
+
+    /// The level of a function.
+    pub fn level_of(&self, function: u32) -> usize {
+        self.offsets.partition_point(|&first| first <= function) - 1
+    }
+
+    /// Points on the surface as baked.
+    pub fn points(&self) -> &[Surfel] {
+        &self.points
+    }
+
+    /// What each function stands for.
+    pub fn owners(&self) -> &[Owner] {
+        &self.owners
+    }
+
+    /// Radius of support of each level in meters.
+    pub fn radii(&self) -> &[f32] {
+        &self.radii
+    }
+
+    /// The level whose functions send light.
+    pub fn sender_level(&self) -> usize {
+        self.sender_level
+    }
+
+    /// The functions of the level before that reach each function, with their values at its point.
+    pub fn parents(&self) -> &SparseRows {
+        &self.parents
+    }
+
+    /// Appends the functions of a level of an object that are not zero at a point as baked, with their values there. The values sum to
+    /// one, unless no function reaches the point.
+    pub fn values(&self, level: usize, object: u32, at: &Surfel, out: &mut Vec<(u32, f32)>) {
+        let first = out.len();
+        let slot = self.grid.slot_at(self.key(object, level), at.position);
+        let point = (at.position, at.normal);
+        self.grid.for_each_weight(slot, self.radii[level], point, |function, weight| out.push((function, weight)));
+        let sum: f32 = out[first..].iter().map(|w| w.1).sum();
+        let scale = 1.0 / sum.max(f32::MIN_POSITIVE);
+        out[first..].iter_mut().for_each(|w| w.1 *= scale);
+    }
+
+    /// Values at a point as baked of the finest level that reaches it.
+    pub fn finest_values(&self, object: u32, at: &Surfel, out: &mut Vec<(u32, f32)>) {
+        let first = out.len();
+        for level in (0..self.levels()).rev() {
+            self.values(level, object, at, out);
+            if out.len() > first {
+                return;
+            }
+        }
+    }
+
+    /// The function with these coefficients at a point as baked.
+    pub fn evaluate<T: Coefficient>(&self, object: u32, at: &Surfel, coefficients: &[T]) -> T {
+        let mut values = Vec::new();
+        self.finest_values(object, at, &mut values);
+        values.iter().fold(T::ZERO, |sum, &(function, value)| sum + coefficients[function as usize] * value)
+    }
+
+    /// The functions of one object and level have a grid of their own.
+    fn key(&self, object: u32, level: usize) -> usize {
+        object as usize * self.levels() + level
+    }
+}
+
+/// A grid in which each object and level has its own cells.
+fn grid(points: &[Surfel], owners: &[Owner], offsets: &[u32], radii: &[f32]) -> FunctionGrid {
+    let objects = owners.iter().map(|owner| owner.object + 1).max().unwrap_or(0);
+    let of = |(object, level): (u32, usize)| {
+        let [first, end] = [offsets[level], offsets[level + 1]].map(|i| i as usize);
+        let place = |object: u32| first + owners[first..end].partition_point(|owner| owner.object < object);
+        place(object)..place(object + 1)
+    };
+    let keys = || (0..objects).flat_map(|object| (0..radii.len()).map(move |level| (object, level)));
+    let ranges: Vec<Range<usize>> = keys().map(of).collect();
+    let all: Vec<f32> = keys().map(|(_, level)| radii[level]).collect();
+    FunctionGrid::new(points, &ranges, &all)
+}
