@@ -294,9 +294,8 @@ fn the_primaries_of_a_float_picture_are_in_its_own_file() {
 #[test]
 fn values_of_a_float_picture_stay_values() {
     let of = |space: &str| {
-        let nodes = format!(
-            "<image name=\"p\" type=\"color3\"><input name=\"file\" type=\"filename\" value=\"a.exr\" colorspace=\"{space}\"/></image>"
-        );
+        let file = format!("<input name=\"file\" type=\"filename\" value=\"a.exr\" colorspace=\"{space}\"/>");
+        let nodes = format!("<image name=\"p\" type=\"color3\">{file}</image>");
         let input = "<input name=\"base_color\" type=\"color3\" nodename=\"p\"/>";
         let read = with_nodes(&nodes, "open_pbr_surface", input);
         assert!(read.remarks.is_empty(), "{space}: {:?}", read.remarks);
