@@ -35,14 +35,14 @@ pub enum EnvironmentError {
 /// # Errors
 /// A file that is unreadable or not a picture.
 pub fn read(path: &Path, color_space: ColorSpace) -> Result<(Environment, Vec<String>), EnvironmentError> {
-    let map = image::read_in(path, color_space)?;
-    let mut warnings = Vec::new();
+    let (map, mut warnings) = image::read_in(path, color_space)?;
     if !PictureFormat::is_of_light(path) {
         warnings.push(
             "the environment is of low dynamic range, so its lights are too dim; use an .hdr or .exr file".into(),
         );
     }
-    let (environment, repairs) = Environment::repaired(image::name_of(path), map);
+    let (file, layer) = file_and_layer(path);
+    let (environment, repairs) = Environment::repaired(image::name_of(file, layer), map);
     warnings.extend(repairs);
     Ok((environment, warnings))
 }

@@ -24,7 +24,7 @@ pub struct SlotFile {
     /// A pattern instead of a picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub procedural: Option<Procedural>,
-    /// Color space of 8-bit texels; by default sRGB for the base color and linear for all else.
+    /// What the texels are; by default [`ColorSpace::Srgb`] for maps of colors, and [`ColorSpace::Linear`] for all others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub color_space: Option<ColorSpace>,
     /// Component for scalar parameters.

@@ -65,33 +65,32 @@ impl EditorState {
             files_in_use(&self.work.document).into_iter().chain(shader_source().files()).collect();
         self.watcher.watch(files);
         for path in self.watcher.changed() {
-            let is_brdf = brdf_files(&self.work.document).any(|file| file.path == path);
-            if !is_brdf && path.extension().is_some_and(|e| e == "wgsl") {
-                self.picture.render.reload();
-                continue;
-            }
-            let environment = &self.work.document.environment;
-            if let Some(map) = environment.file().filter(|map| file_and_layer(map).0 == path) {
-                let (spec, color_space) = (environment.spec.clone(), environment.color_space);
-                self.environments.forget_picture(&spec);
-                self.loader.load(Topic::Reload(map.to_owned()), Source::Environment { spec, color_space });
-                continue;
-            }
-            let source = if self.work.document.scene.as_ref() == Some(&path) {
-                let allow_outside = self.work.preferences.outside.allow(&path);
-                let scene = self.work.document.scene_in_file.clone();
-                Source::Scene {
-                    path: path.clone(),
-                    options: ImportOptions { allow_outside, scene, ..Default::default() },
-                }
-            } else if is_brdf {
-                Source::Brdf(path.clone())
-            } else {
-                self.reload_pictures(&path);
-                continue;
-            };
-            self.loader.load(Topic::Reload(path), source);
+            self.file_changed(path);
         }
+    }
+
+    /// Reloads a file of the document, wherever it is used.
+    pub(super) fn file_changed(&mut self, path: PathBuf) {
+        let document = &self.work.document;
+        let is_brdf = brdf_files(document).any(|file| file.path == path);
+        if !is_brdf && path.extension().is_some_and(|e| e == "wgsl") {
+            self.picture.render.reload();
+            return;
+        }
+        if document.environment.file().is_some_and(|map| file_and_layer(map).0 == path) {
+            self.environments.reload(&path);
+        }
+        let source = if document.scene.as_ref() == Some(&path) {
+            let allow_outside = self.work.preferences.outside.allow(&path);
+            let scene = document.scene_in_file.clone();
+            Source::Scene { path: path.clone(), options: ImportOptions { allow_outside, scene, ..Default::default() } }
+        } else if is_brdf {
+            Source::Brdf(path.clone())
+        } else {
+            self.reload_pictures(&path);
+            return;
+        };
+        self.loader.load(Topic::Reload(path), source);
     }
 
     /// Reloads the textures of a file, each with its layer.
@@ -127,12 +126,8 @@ impl EditorState {
                 self.work.messages.note(format!("Reloaded ({})", path.display()));
             }
             Ok(Loaded::Scene(source)) => self.work.scene_changed(path, *source),
-            // Another one may have been chosen meanwhile.
-            Ok(_) if self.work.document.environment.file() != Some(path) => {}
-            Ok(loaded) => {
-                self.environments.take_loaded(&mut self.work, into_environment(loaded));
-                self.work.messages.note(format!("Reloaded ({})", path.display()));
-            }
+            // Other files are not loaded on this topic.
+            Ok(_) => {}
             Err(error) => self.work.messages.warning(format!("Cannot reload a changed file: {error}")),
         }
     }

@@ -4,6 +4,7 @@ mod actual_window;
 mod animations;
 mod bounces;
 mod brdfs;
+mod changed_files;
 mod comparison;
 mod documents;
 mod export;

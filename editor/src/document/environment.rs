@@ -1,6 +1,7 @@
 //! The settings of the environment.
 
 use lapidary_core::{environment::SunSettings, texture::ColorSpace};
+use lapidary_interchange::image::file_and_layer;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -76,9 +77,14 @@ impl Default for EnvironmentSettings {
 }
 
 impl EnvironmentSettings {
-    /// The same settings with another map or formula, whose file says what its colors are.
+    /// The same settings with another map or formula. Another file says what its colors are; another layer of the same file has
+    /// the same ones.
     pub fn with_map(&self, spec: &str) -> Self {
-        Self { spec: spec.into(), color_space: ColorSpace::Srgb, ..self.clone() }
+        let changed = Self { spec: spec.into(), ..self.clone() };
+        let file = |of: &Self| of.file().map(|path| file_and_layer(path).0.to_owned());
+        let is_same = file(self).is_some_and(|before| file(&changed) == Some(before));
+        let color_space = if is_same { self.color_space } else { ColorSpace::Srgb };
+        Self { color_space, ..changed }
     }
 
     /// The total rotation in radians.

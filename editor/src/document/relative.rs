@@ -3,6 +3,7 @@
 //! `..` is resolved in the text and not by the file system, on writing and on reading alike, so that a path comes back
 //! as it was even where folders are links.
 
+use lapidary_interchange::image::file_and_layer;
 use std::path::{Component, Path, PathBuf};
 
 /// The path from the root, without `.` and `..`.
@@ -34,7 +35,9 @@ pub fn relative_to(path: &Path, folder: &Path) -> PathBuf {
 pub fn resolve(path: &Path, folder: &Path) -> PathBuf {
     let joined = folder.join(path);
     let cleaned = clean(&joined);
-    if !cleaned.exists() && joined.exists() { joined } else { cleaned }
+    // It may name a layer of a picture.
+    let exists = |path: &Path| file_and_layer(path).0.exists();
+    if !exists(&cleaned) && exists(&joined) { joined } else { cleaned }
 }
 
 fn clean(path: &Path) -> PathBuf {
@@ -89,5 +92,8 @@ mod tests {
         std::os::unix::fs::symlink(root.path().join("deep/real"), &link).unwrap();
         assert!(resolve(Path::new("../a.png"), &link).is_file());
         assert!(!resolve(Path::new("../b.png"), &link).exists());
+        std::fs::write(root.path().join("deep/a.exr"), b"").unwrap();
+        assert!(resolve(Path::new("../a.exr#N"), &link).starts_with(&link), "a layer of it");
+        assert!(!resolve(Path::new("../b.exr#N"), &link).starts_with(&link), "negative control");
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     workspace::Workspace,
 };
 use lapidary_core::environment::Environment;
-use lapidary_interchange::environment;
+use lapidary_interchange::{environment, image::file_and_layer};
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -29,18 +29,32 @@ impl Environments {
     pub fn load(&mut self, work: &Workspace, loader: &mut Loader) {
         let EnvironmentSettings { spec, color_space, .. } = work.document.environment.clone();
         if self.asked.as_ref() != Some(&(spec.clone(), color_space)) {
+            self.reloads = self.reloads && self.asked.is_none();
             self.asked = Some((spec.clone(), color_space));
             loader.load(Topic::Environment, Source::Environment { spec, color_space });
         }
     }
 
+    /// Loads the document's map again, whose file changed.
+    pub fn reload(&mut self, file: &Path) {
+        self.thumbnails.forget(|spec| file_and_layer(Path::new(spec)).0 == file);
+        (self.asked, self.reloads) = (None, true);
+    }
+
     /// Takes a loaded map. After a failure the previous map stays in use.
     pub fn take_loaded(&mut self, work: &mut Workspace, result: Result<(Arc<Environment>, Vec<String>), String>) {
+        let reloads = std::mem::take(&mut self.reloads);
         match result {
             Ok((environment, warnings)) => {
                 work.messages.warnings("Environment", &warnings);
                 self.problem = None;
                 self.loaded = Some(environment);
+                if reloads {
+                    work.messages.note(format!("Reloaded ({})", work.document.environment.spec));
+                }
+            }
+            Err(error) if reloads && self.problem.is_none() && self.loaded.is_some() => {
+                work.messages.warning(format!("Cannot reload a changed file: {error}"));
             }
             Err(error) => {
                 work.messages.error(&error);

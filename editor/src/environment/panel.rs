@@ -68,8 +68,8 @@ pub fn show(ui: &mut Ui, state: &mut EnvironmentPanel, context: &EnvironmentCont
     if let Some(message) = context.message {
         ui.label(RichText::new(message).color(ui.visuals().warn_fg_color));
     }
-    if let (Some(map), Some(environment)) = (context.document.environment.file(), context.environment) {
-        let chosen = state.layers.row(ui, map, Arc::as_ptr(environment).addr()).map(Some);
+    if let Some(map) = context.document.environment.file() {
+        let chosen = state.layers.row(ui, map).map(Some);
         actions.extend(chosen.map(EnvironmentAction::Load).map(Action::Environment));
     }
     placement(ui, &context.document.environment, actions);

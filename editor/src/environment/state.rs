@@ -20,6 +20,8 @@ pub struct Environments {
     pub loaded: Option<Arc<Environment>>,
     /// The specification requested last, and the color space of its file.
     pub asked: Option<(String, ColorSpace)>,
+    /// Whether what was requested last is in use, and its file changed.
+    pub reloads: bool,
     /// Why the document's map is not in use.
     pub problem: Option<String>,
     pub thumbnails: Thumbnails,
@@ -32,7 +34,16 @@ impl Environments {
         let make = |spec: &str| Ok(thumbnail(&environment::from_spec(spec)?.0, THUMBNAIL));
         let thumbnails = Thumbnails::start(make, wake);
         let panel = EnvironmentPanel::default();
-        Self { panel, library, loaded: None, asked: None, problem: None, thumbnails, pictures: HashMap::new() }
+        Self {
+            panel,
+            library,
+            loaded: None,
+            asked: None,
+            reloads: false,
+            problem: None,
+            thumbnails,
+            pictures: HashMap::new(),
+        }
     }
 
     /// The map that lights the scene.
@@ -53,10 +64,5 @@ impl Environments {
             let texture = picture.ok().map(|image| ctx.load_texture(&spec, image, TextureOptions::LINEAR));
             self.pictures.insert(spec, texture);
         }
-    }
-
-    /// Makes the thumbnail of a changed file again.
-    pub fn forget_picture(&mut self, spec: &str) {
-        self.thumbnails.forget(spec);
     }
 }

@@ -42,9 +42,9 @@ impl Thumbnails {
         }
     }
 
-    /// Makes a picture again at its next request, since its file has changed.
-    pub fn forget(&mut self, key: &str) {
-        self.requested.remove(key);
+    /// Makes pictures again at their next request, since their files have changed.
+    pub fn forget(&mut self, is_stale: impl Fn(&str) -> bool) {
+        self.requested.retain(|key| !is_stale(key));
     }
 
     /// Pictures made since the last call, with their keys.
@@ -98,7 +98,7 @@ mod tests {
         thumbnails.request("abc");
         collect(&mut thumbnails, 1);
         thumbnails.request("abc");
-        thumbnails.forget("abc");
+        thumbnails.forget(|key| key == "abc");
         thumbnails.request("abc");
         assert_eq!(collect(&mut thumbnails, 1).len(), 1);
     }

@@ -1,7 +1,7 @@
 //! Writes a material library in MTL, with the PBR keys of Blender and others, which `import::mtl` reads.
 
 use crate::{
-    import::mtl::{BUMP_METRES, LARGEST_DIELECTRIC_F0},
+    import::mtl::{BUMP_METRES, LARGEST_DIELECTRIC_F0, color_space},
     material_file::{MaterialFile, SlotFile},
     materialx::{stretch, without_file},
 };
@@ -10,7 +10,7 @@ use lapidary_core::{
     brdf::{BrdfModel, Value},
     color::luminance,
     material::{BUMP, NORMAL},
-    texture::{Channel, UvSet, Wrap},
+    texture::{Channel, ColorSpace, UvSet, Wrap},
 };
 use std::{collections::BTreeSet, fmt::Write};
 
@@ -216,6 +216,11 @@ impl Entry<'_> {
             [Wrap::Clamp, Wrap::Clamp] => options += "-clamp on ",
             [Wrap::Repeat, Wrap::Repeat] => {}
             _ => self.lost.push(format!("MTL can only repeat or clamp the picture of {key}; it repeats")),
+        }
+        let assumed = color_space(key);
+        if slot.color_space.is_some_and(|space| space != assumed) {
+            let taken = if assumed == ColorSpace::Srgb { "colors as its file has them" } else { "values" };
+            self.lost.push(format!("MTL has no color spaces, and the picture of {key} is taken for {taken}"));
         }
         if slot.uv_set == UvSet::Second {
             self.lost.push(format!("MTL has one set of texture coordinates, and {key} uses the second"));

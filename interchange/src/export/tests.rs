@@ -2,12 +2,13 @@
 
 use super::*;
 use crate::{
-    image::encode_png_pixels,
+    image::{Layer, LayeredImage, Metadata, encode_png_pixels},
     import::{import, load_material},
 };
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{
     brdf::{BrdfModel, Value},
+    image::Image,
     material::{BUMP, Material, NORMAL},
     scene::{Mesh, Object},
     texture::{Channel, ColorSpace, Texels, Texture, TextureSlot, UvSet, Wrap},
@@ -139,6 +140,24 @@ fn a_library_is_read_as_it_was_written() {
 }
 
 #[test]
+fn a_color_space_that_a_library_cannot_say_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let texels = [[200, 100, 50, 255]; 4];
+    let told = |map, color_space| {
+        let mut mapped = material("mapped", BrdfModel::Ggx, &[]);
+        mapped.maps.set(map, Some(TextureSlot { color_space, ..Default::default() }));
+        let path = folder.path().join("a.mtl");
+        export(&scene(vec![mapped], vec![texture("a.png", texels)]), &path).remarks.join("\n")
+    };
+    for (map, key, right) in [("base_color", "map_Kd", ColorSpace::Srgb), ("roughness", "map_Pr", ColorSpace::Linear)] {
+        for space in ColorSpace::ALL {
+            let remarks = told(map, space);
+            assert_eq!(remarks.contains(&format!("the picture of {key} is taken for")), space != right, "{remarks}");
+        }
+    }
+}
+
+#[test]
 fn a_file_of_its_own_has_the_meshes_materials_and_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let mut mapped = stretched_metal();
@@ -253,6 +272,26 @@ fn second_texture_coordinates_wraps_and_colors_of_vertices_are_written() {
     };
     assert_eq!(places(&again), places(&read));
     assert_ne!(places(&again), places(&written), "negative control");
+}
+
+#[test]
+fn an_original_brings_the_file_of_a_layer_along() {
+    let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let original = original(folder.path(), false);
+    let half = Layer::color("Half", &Image::filled([1, 1], Vec3::splat(0.5)));
+    let layers = vec![Layer::color("", &Image::filled([1, 1], Vec3::ONE)), half];
+    let picture = LayeredImage { size: [1, 1], layers, metadata: Metadata::default() };
+    picture.write(&folder.path().join("maps.exr")).unwrap();
+    let text = fs::read_to_string(&original).unwrap().replace("picture.png", "maps.exr#Half");
+    fs::write(&original, text).unwrap();
+    let scene = import(&original).unwrap().scene;
+    let path = other.path().join("copy.gltf");
+    write_materials(&scene, &path, &ExportOptions { original: Some(&original), ..Default::default() }).unwrap();
+    assert!(other.path().join("maps.exr").is_file());
+    let read = import(&path).unwrap();
+    assert_eq!(read.report.unread, [""; 0]);
+    let shown = |scene: &Scene| scene.textures[0].texel(0, 0, ColorSpace::Linear).truncate();
+    assert_eq!([shown(&read.scene), shown(&scene)], [Vec3::splat(0.5); 2]);
 }
 
 #[test]

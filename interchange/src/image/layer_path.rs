@@ -1,6 +1,11 @@
 //! Paths of pictures that name a layer. An OpenEXR file may hold several layers, and `FILE.exr#LAYER` is one of them.
 
-use std::path::{Path, PathBuf};
+use super::open_exr;
+use lapidary_core::input;
+use std::{
+    io::BufReader,
+    path::{Path, PathBuf},
+};
 
 /// What ends the file and begins the layer.
 const EXR: &str = ".exr#";
@@ -21,17 +26,30 @@ pub fn with_layer(file: &Path, layer: &str) -> PathBuf {
     path.into()
 }
 
+/// The names of the layers of a picture that [`file_and_layer`] accepts, the one that is shown by default first. A file of
+/// one layer or another format has none, as has an unreadable one.
+pub fn layers_in(path: &Path) -> Vec<String> {
+    let (file, _) = file_and_layer(path);
+    let names = input::open(file).ok().and_then(|opened| open_exr::names(BufReader::new(opened), file).ok());
+    names.filter(|names| names.len() > 1).unwrap_or_default()
+}
+
+/// The whole name of the layer that a path names, as [`layers_in`] has it; `None` where it names none, or no such one.
+pub fn layer_of(path: &Path) -> Option<String> {
+    let (file, layer) = file_and_layer(path);
+    open_exr::name(BufReader::new(input::open(file).ok()?), file, layer?).ok()
+}
+
 /// Splits a name whether or not there is such a file.
 pub(crate) fn split(name: &str) -> Option<(&str, &str)> {
     let end = name.to_ascii_lowercase().rfind(EXR)? + EXR.len();
     Some((&name[..end - 1], &name[end..]))
 }
 
-/// The last part of a picture's path, with its layer.
-pub(crate) fn name_of(path: &Path) -> String {
-    let (file, layer) = file_and_layer(path);
-    let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
-    layer.map_or(name.clone(), |layer| format!("{name}#{layer}"))
+/// The last part of a file's path, with its layer.
+pub(crate) fn name_of(file: &Path, layer: Option<&str>) -> String {
+    let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+    layer.map_or_else(|| name.clone().into_owned(), |layer| format!("{name}#{layer}"))
 }
 
 #[cfg(test)]
@@ -47,7 +65,8 @@ mod tests {
             assert_eq!(split(whole), (Path::new(whole), None));
         }
         assert_eq!(with_layer(Path::new("a/c.exr"), "x"), Path::new("a/c.exr#x"));
-        assert_eq!(name_of(Path::new("a/c.exr#x/y")), "c.exr#x/y");
+        assert_eq!(name_of(Path::new("a/c.exr"), Some("x/y")), "c.exr#x/y");
+        assert_eq!(name_of(Path::new("a/c.exr#x"), None), "c.exr#x");
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr#1");
         assert_eq!(file_and_layer(&path).1, Some("1"), "negative control");

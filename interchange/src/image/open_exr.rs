@@ -7,10 +7,12 @@ mod alone;
 mod choices;
 
 pub(super) use alone::alone;
+pub(super) use choices::listed;
 
 use super::{
     primaries,
     read::{check_size, damaged, truncated},
+    remark::Remark,
 };
 use choices::{Choice, Planes};
 use exr::{
@@ -115,19 +117,22 @@ pub(super) fn decode(
     bytes: &[u8],
     path: &Path,
     layer: Option<&str>,
-    remarks: &mut Vec<String>,
+    remarks: &mut Vec<Remark>,
 ) -> Result<([u32; 2], Texels), ImageError> {
     let headers = headers(bytes, path)?;
-    let choice = choose(&headers, path, layer)?;
+    let choice = match layer {
+        Some(layer) => named(&headers, path, layer)?,
+        None => shown(&headers, path, remarks)?,
+    };
     let file = read_part(bytes, path, &headers[choice.part])?;
     let part = &file.layer_data;
     let window = Window::new(file.attributes.display_window, part.absolute_bounds());
-    let named = file.attributes.chromaticities.as_ref().map(primaries::named);
-    let colors = Colors::of(&part.channel_data.list, &choice, named.unwrap_or(Primaries::REC_709));
+    let found = file.attributes.chromaticities.as_ref().map(primaries::named);
+    let colors = Colors::of(&part.channel_data.list, &choice, found.unwrap_or(Primaries::REC_709));
     let colors = colors.filter(|colors| colors.are_whole(window.samples()));
     let colors = colors.ok_or_else(|| damaged(path, "its channels differ in resolution"))?;
-    let named = named.filter(|_| !matches!(colors.planes, Planes::Values(_)));
-    let to_rec_709 = named.and_then(|found| primaries::rec_709_or_remark(&found, remarks));
+    let found = found.filter(|_| !matches!(colors.planes, Planes::Values(_)));
+    let to_rec_709 = found.and_then(|found| primaries::rec_709_or_remark(&found, remarks));
     let texel = |i: usize| colors.at(i).extend(colors.alpha_at(i)).to_array();
     Ok((window.size, primaries::texels(window.picture([0.0; 4], texel), to_rec_709)))
 }
@@ -137,15 +142,24 @@ pub(super) fn names(file: impl Read, path: &Path) -> Result<Vec<String>, ImageEr
     Ok(choices::all(&headers(file, path)?).into_iter().map(|choice| choice.name).collect())
 }
 
-fn choose(headers: &[Header], path: &Path, layer: Option<&str>) -> Result<Choice, ImageError> {
-    match layer {
-        None => choices::whole(headers).map_err(|reason| damaged(path, reason)),
-        Some(name) => choices::find(headers, name).map_err(|has| ImageError::NoLayer {
-            path: path.into(),
-            name: name.into(),
-            has,
-        }),
+/// The whole name of a layer.
+pub(super) fn name(file: impl Read, path: &Path, layer: &str) -> Result<String, ImageError> {
+    named(&headers(file, path)?, path, layer).map(|choice| choice.name)
+}
+
+fn named(headers: &[Header], path: &Path, layer: &str) -> Result<Choice, ImageError> {
+    choices::find(headers, layer).map_err(|has| ImageError::NoLayer { path: path.into(), name: layer.into(), has })
+}
+
+/// What is shown without a choice: the whole picture, else the first there is, with a remark.
+fn shown(headers: &[Header], path: &Path, remarks: &mut Vec<Remark>) -> Result<Choice, ImageError> {
+    if let Some(whole) = choices::whole(headers) {
+        return Ok(whole);
     }
+    let all = choices::all(headers);
+    let first = all.first().cloned().ok_or_else(|| damaged(path, choices::DEEP))?;
+    remarks.push(Remark::Layers(all.into_iter().map(|choice| choice.name).collect()));
+    Ok(first)
 }
 
 type PartOfFile = openexr::Image<openexr::Layer<openexr::AnyChannels<openexr::FlatSamples>>>;

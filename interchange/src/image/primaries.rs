@@ -1,5 +1,6 @@
 //! The primaries that a file names, as its conversion of colors to linear Rec. 709.
 
+use super::remark::Remark;
 use exr::{meta::attribute::Chromaticities, prelude as openexr};
 use glam::{DVec2, Mat3};
 use lapidary_core::{color::Primaries, texture::Texels};
@@ -40,9 +41,10 @@ pub(super) fn texels(texels: Vec<[f32; 4]>, to_rec_709: Option<Mat3>) -> Texels 
 }
 
 /// The conversion of a file with these primaries. Without one, if they span no colors: `remarks` gets a sentence.
-pub(super) fn rec_709_or_remark(found: &Primaries, remarks: &mut Vec<String>) -> Option<Mat3> {
+pub(super) fn rec_709_or_remark(found: &Primaries, remarks: &mut Vec<Remark>) -> Option<Mat3> {
     rec_709_from(found).unwrap_or_else(|space| {
-        remarks.push(format!("it names primaries that span no colors ({space}), and is taken for linear Rec. 709"));
+        let text = format!("it names primaries that span no colors ({space}), and is taken for linear Rec. 709");
+        remarks.push(Remark::Colors(text));
         None
     })
 }
@@ -110,7 +112,7 @@ mod tests {
         for bad in [flat, Primaries { white: DVec2::ZERO, ..ACES_CG }] {
             let bytes = file(Vec3::new(0.25, 0.5, 1.0), Some(bad));
             let mut remarks = Vec::new();
-            let texture = decode_with(&bytes, Path::new("a.exr"), &mut remarks).unwrap();
+            let texture = decode_with(&bytes, Path::new("a.exr"), None, &mut remarks).unwrap();
             assert_eq!(texture.texel(0, 0, ColorSpace::Srgb).truncate(), Vec3::new(0.25, 0.5, 1.0));
             assert!(remarks.len() == 1 && remarks[0].contains("green [0.165, 0.83]"), "{remarks:?}");
             let folder = tempfile::tempdir().unwrap();

@@ -6,14 +6,11 @@
 use super::{
     primaries,
     read::{check_size, damaged, truncated, undecodable},
+    remark::Remark,
 };
 use glam::{DVec2, Vec3};
 use image::{ImageDecoder, codecs::hdr::HdrDecoder};
-use lapidary_core::{
-    color::{Primaries, in_rec_709},
-    image::ImageError,
-    texture::Texels,
-};
+use lapidary_core::{color::Primaries, image::ImageError, texture::Texels};
 use std::{io::Read, path::Path};
 
 /// First bytes of the files. `#?RADIANCE` is usual; other programs write their own names, as in `#?RGBE`.
@@ -51,8 +48,8 @@ struct Values {
     divisor: Vec3,
     primaries: Option<Primaries>,
     is_xyz: bool,
-    /// Lines that are left out, in sentences.
-    remarks: Vec<String>,
+    /// Lines that are left out.
+    remarks: Vec<Remark>,
 }
 
 impl Header {
@@ -122,15 +119,16 @@ impl Values {
                 }
             },
             "EXPOSURE" => {
-                let [exposure] = self.numbers("EXPOSURE", value).unwrap_or([1.0]);
+                let [exposure] = self.numbers("EXPOSURE", value, Remark::Scale).unwrap_or([1.0]);
                 self.divisor *= exposure;
             }
             "COLORCORR" => {
-                let correction = self.numbers("COLORCORR", value).unwrap_or([1.0; 3]);
+                let correction = self.numbers("COLORCORR", value, Remark::Scale).unwrap_or([1.0; 3]);
                 self.divisor *= Vec3::from_array(correction);
             }
             "PRIMARIES" => {
-                let Some([rx, ry, gx, gy, bx, by, wx, wy]) = self.numbers("PRIMARIES", value) else { return Ok(()) };
+                let numbers = self.numbers("PRIMARIES", value, Remark::Colors);
+                let Some([rx, ry, gx, gy, bx, by, wx, wy]) = numbers else { return Ok(()) };
                 let [red, green, blue, white] =
                     [(rx, ry), (gx, gy), (bx, by), (wx, wy)].map(|(x, y)| DVec2::new(x.into(), y.into()));
                 self.primaries = Some(Primaries { red, green, blue, white });
@@ -141,11 +139,17 @@ impl Values {
     }
 
     /// The numbers of a line, or none with a remark.
-    fn numbers<const N: usize>(&mut self, name: &str, value: &str) -> Option<[f32; N]> {
+    fn numbers<const N: usize>(
+        &mut self,
+        name: &str,
+        value: &str,
+        remark: impl Fn(String) -> Remark,
+    ) -> Option<[f32; N]> {
         let numbers: Result<Vec<f32>, _> = value.split_whitespace().map(str::parse).collect();
         let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
         if numbers.is_none() && self.remarks.len() < MOST_REMARKS {
-            self.remarks.push(format!("its {name} is \"{}\" in place of {N} numbers, and is left out", quoted(value)));
+            let value = quoted(value);
+            self.remarks.push(remark(format!("its {name} is \"{value}\" in place of {N} numbers, and is left out")));
         }
         numbers
     }
@@ -154,8 +158,8 @@ impl Values {
     fn check_divisor(&mut self) {
         if !(self.divisor.is_finite() && self.divisor.min_element() > 0.0) {
             self.divisor = Vec3::ONE;
-            self.remarks
-                .push("the product of its EXPOSURE and COLORCORR lines is out of range, and is left out".into());
+            let text = "the product of its EXPOSURE and COLORCORR lines is out of range, and is left out";
+            self.remarks.push(Remark::Scale(text.into()));
         }
     }
 }
@@ -184,22 +188,19 @@ fn next_line(rest: &mut &[u8]) -> Option<String> {
 }
 
 /// Radiance, upright; `remarks` gets what of the header is left out.
-pub(super) fn decode(bytes: &[u8], path: &Path, remarks: &mut Vec<String>) -> Result<([u32; 2], Texels), ImageError> {
-    let header = Header::read(bytes, path)?;
-    remarks.extend(header.values.remarks.iter().cloned());
+pub(super) fn decode(bytes: &[u8], path: &Path, remarks: &mut Vec<Remark>) -> Result<([u32; 2], Texels), ImageError> {
+    let mut header = Header::read(bytes, path)?;
+    remarks.append(&mut header.values.remarks);
     let stored = stored_pixels(&header, &bytes[header.scanlines..]).map_err(|e| undecodable(path, e))?;
     let size = header.size();
     let mut texels = vec![[0.0, 0.0, 0.0, 1.0]; stored.len()];
     let along = header.axes[1].length;
-    // Values are never in XYZ.
-    let from_xyz = if header.values.is_xyz { primaries::rec_709_or_remark(&Primaries::XYZ, remarks) } else { None };
     for (i, &rgb) in stored.iter().enumerate() {
         let [x, y] = header.position(i as u32 / along, i as u32 % along);
-        let color = Vec3::from_array(rgb) / header.values.divisor;
-        let [r, g, b] = from_xyz.map_or(color, |matrix| in_rec_709(matrix, color)).to_array();
+        let [r, g, b] = (Vec3::from_array(rgb) / header.values.divisor).to_array();
         texels[y as usize * size[0] as usize + x as usize] = [r, g, b, 1.0];
     }
-    let named = header.values.primaries.filter(|_| !header.values.is_xyz);
+    let named = if header.values.is_xyz { Some(Primaries::XYZ) } else { header.values.primaries };
     let to_rec_709 = named.and_then(|found| primaries::rec_709_or_remark(&found, remarks));
     Ok((size, primaries::texels(texels, to_rec_709)))
 }
@@ -257,10 +258,49 @@ mod tests {
         ] {
             let bytes = file(&header(wrong), &[[128, 128, 128, 131]]);
             let mut remarks = Vec::new();
-            let texture = crate::image::decode_with(&bytes, Path::new("a.hdr"), &mut remarks).unwrap();
+            let texture = crate::image::decode_with(&bytes, Path::new("a.hdr"), None, &mut remarks).unwrap();
             assert_eq!(texture.texel(0, 0, Default::default()).truncate(), Vec3::splat(4.0), "as without the line");
             assert!(remarks.len() == 1 && remarks[0].contains(word), "{remarks:?}");
         }
+    }
+
+    #[test]
+    fn a_given_space_settles_damaged_primaries_and_no_damaged_exposure() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.hdr");
+        for (line, is_of_colors) in [
+            ("PRIMARIES=1\n", true),
+            ("PRIMARIES=0 0 0 0 0 0 0 0\n", true),
+            ("EXPOSURE=x\n", false),
+            ("EXPOSURE=0\n", false),
+            ("COLORCORR=1 1\nPRIMARIES=1\n", false),
+        ] {
+            let header = format!("#?RADIANCE\n{line}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
+            std::fs::write(&path, file(&header, &[[128, 128, 128, 129]])).unwrap();
+            let read = |space| crate::image::read_in(&path, space).map(|(image, told)| (image.pixels[0], told));
+            assert!(read(ColorSpace::Srgb).is_err() && crate::image::read(&path).is_err(), "{line}");
+            match read(ColorSpace::Linear) {
+                Ok(read) => assert!(is_of_colors && read == (Vec3::ONE, Vec::new()), "{line}: {read:?}"),
+                Err(error) => assert!(!is_of_colors && error.to_string().contains(&line[..8]), "{line}: {error}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_given_space_takes_the_place_of_xyz() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.hdr");
+        let pixel = [[64, 192, 32, 128]];
+        let read = |format: &str, space| {
+            std::fs::write(&path, file(&format!("#?RADIANCE\nFORMAT={format}\n\n-Y 1 +X 1\n"), &pixel)).unwrap();
+            crate::image::read_in(&path, space).unwrap().0.pixels[0]
+        };
+        let stored = Vec3::new(0.25, 0.75, 0.125);
+        assert_eq!(read("32-bit_rle_xyze", ColorSpace::Linear), stored, "values stay");
+        // Once converted: as the same numbers in a file that does not say what they are.
+        let given = read("32-bit_rle_xyze", ColorSpace::AcesCg);
+        assert_eq!(given, read("32-bit_rle_rgbe", ColorSpace::AcesCg));
+        assert!((given - read("32-bit_rle_xyze", ColorSpace::Srgb)).abs().max_element() > 0.05, "negative control");
     }
 
     #[test]

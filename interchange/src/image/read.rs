@@ -6,7 +6,9 @@ use super::{
     ktx2,
     layer_path::{file_and_layer, name_of},
     open_exr::{self, EXR_MAGIC},
-    radiance, tiff,
+    radiance,
+    remark::Remark,
+    tiff,
 };
 use glam::Vec3;
 use image::{
@@ -27,18 +29,19 @@ use std::{
 /// Largest readable picture in pixels: 16k x 16k, 4 GiB as four floats per pixel.
 const MAX_PIXELS: u64 = 1 << 28;
 
-/// Reads a texture from a picture file, or from a layer of it ([`file_and_layer`]). Texels out of range are replaced, see [`Texels::sanitize`].
+/// Reads a texture from a picture file, or from a layer of it ([`file_and_layer`]). Texels out of range are replaced, see
+/// [`Texels::sanitize`].
 ///
 /// # Errors
 /// A file that is unreadable, not a picture, or too large.
 pub fn read_texture(path: &Path) -> Result<Texture, ImageError> {
-    let mut texture = decode(&file_at(path)?, path)?;
+    let (file, layer) = file_and_layer(path);
+    let mut texture = decode_with(&contents(file)?, file, layer, &mut Vec::new())?;
     texture.texels.sanitize();
     Ok(texture)
 }
 
-fn file_at(path: &Path) -> Result<Vec<u8>, ImageError> {
-    let (file, _) = file_and_layer(path);
+fn contents(file: &Path) -> Result<Vec<u8>, ImageError> {
     input::read(file).map_err(|source| ImageError::Io { action: "read", path: file.into(), source })
 }
 
@@ -46,19 +49,30 @@ fn file_at(path: &Path) -> Result<Vec<u8>, ImageError> {
 /// from sRGB.
 ///
 /// # Errors
-/// A file that is unreadable, not a picture, or too large, lacks the layer, or says what its colors are in a way that cannot be
-/// used.
+/// A file that is unreadable, not a picture, or too large, lacks the layer, shows none by default, or says what its colors are
+/// in a way that cannot be used.
 pub fn read(path: &Path) -> Result<Image, ImageError> {
-    read_in(path, ColorSpace::Srgb)
+    let (file, layer) = file_and_layer(path);
+    let (image, remarks) = linear_image(file, layer, ColorSpace::Srgb)?;
+    remarks.first().map_or(Ok(image), |remark| Err(remark.refusal(file)))
 }
 
-/// Reads a picture file, or a layer of it, whose colors are in this space.
+/// Reads a picture file, or a layer of it, whose colors are in this space. Of a file that shows no layer by default, the first
+/// is read. Also returns that, as a sentence.
+///
+/// The space replaces what the file says of its colors: the primaries that it names, and the XYZ of a Radiance file.
 ///
 /// # Errors
-/// The same as [`read`]; what the file says of its colors does not count where the space says it.
-pub fn read_in(path: &Path, color_space: ColorSpace) -> Result<Image, ImageError> {
+/// A file that is unreadable, not a picture, or too large, lacks the layer, or has scales or, where the space is
+/// [`ColorSpace::Srgb`], primaries that cannot be used.
+pub fn read_in(path: &Path, color_space: ColorSpace) -> Result<(Image, Vec<String>), ImageError> {
     let (file, layer) = file_and_layer(path);
-    linear_image(&file_at(path)?, file, layer, color_space)
+    let (image, mut remarks) = linear_image(file, layer, color_space)?;
+    remarks.retain(|remark| !remark.is_settled_by(color_space));
+    match remarks.iter().find(|remark| !matches!(remark, Remark::Layers(_))) {
+        Some(remark) => Err(remark.refusal(file)),
+        None => Ok((image, remarks.iter().map(Remark::text).collect())),
+    }
 }
 
 /// Reads one layer of an OpenEXR file: its colors in Rec. 709, its vectors, or its single channel repeated. Names match in any
@@ -67,45 +81,47 @@ pub fn read_in(path: &Path, color_space: ColorSpace) -> Result<Image, ImageError
 /// # Errors
 /// A file that is unreadable or lacks the layer.
 pub fn read_layer(path: &Path, name: &str) -> Result<Image, ImageError> {
-    linear_image(&file_at(path)?, path, Some(name), ColorSpace::Srgb)
-}
-
-/// The names of the layers of a picture that [`file_and_layer`] accepts, the one that is shown by default first. A file of
-/// one layer or another format has none, as has an unreadable one.
-pub fn layers_in(path: &Path) -> Vec<String> {
     let (file, _) = file_and_layer(path);
-    let names = input::open(file).ok().and_then(|opened| open_exr::names(BufReader::new(opened), file).ok());
-    names.filter(|names| names.len() > 1).unwrap_or_default()
+    let (image, remarks) = linear_image(file, Some(name), ColorSpace::Srgb)?;
+    remarks.first().map_or(Ok(image), |remark| Err(remark.refusal(file)))
 }
 
-/// Decodes the bytes of a picture file read from `path`, and keeps them with the texture. Of an OpenEXR file at a path that
-/// names a layer ([`file_and_layer`]), that layer alone is decoded and kept.
+/// Decodes the bytes of a picture called `path`, and keeps them with the texture. Of an OpenEXR file, the layer that it shows by
+/// default is decoded. `path` tells the format where the bytes do not. It never names a layer: a texture that was kept shows its
+/// layer by default, whatever its name.
 ///
 /// Files of 8 and 16 bits keep their codes, because only the slot that uses them knows their encoding (sRGB or linear).
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
-    decode_with(bytes, path, &mut Vec::new())
+    decode_with(bytes, path, None, &mut Vec::new())
 }
 
-/// The same as [`decode`]; `remarks` gets sentences on what of the header cannot be used and is left out.
+/// The same as [`decode`] for a layer of an OpenEXR file, which alone is kept; `remarks` gets sentences on what of the header
+/// cannot be used and is left out.
 ///
 /// # Errors
-/// Damaged, foreign or oversized contents.
-pub fn decode_with(bytes: &[u8], path: &Path, remarks: &mut Vec<String>) -> Result<Texture, ImageError> {
-    let (file, layer) = file_and_layer(path);
-    let (size, texels) = texels(bytes, file, layer, remarks)?;
-    let alone = layer.map_or(Ok(None), |layer| open_exr::alone(bytes, file, layer))?;
+/// Damaged, foreign or oversized contents, or such without the layer.
+pub fn decode_with(
+    bytes: &[u8],
+    path: &Path,
+    layer: Option<&str>,
+    remarks: &mut Vec<String>,
+) -> Result<Texture, ImageError> {
+    let mut found = Vec::new();
+    let (size, texels) = texels(bytes, path, layer, &mut found)?;
+    remarks.extend(found.iter().map(Remark::text));
+    let alone = layer.map_or(Ok(None), |layer| open_exr::alone(bytes, path, layer))?;
     let encoded = alone.map_or_else(|| Arc::from(bytes), Arc::from);
-    Ok(Texture { encoded, ..Texture::new(name_of(path), size, texels) })
+    Ok(Texture { encoded, ..Texture::new(name_of(path, layer), size, texels) })
 }
 
 fn texels(
     bytes: &[u8],
     path: &Path,
     layer: Option<&str>,
-    remarks: &mut Vec<String>,
+    remarks: &mut Vec<Remark>,
 ) -> Result<([u32; 2], Texels), ImageError> {
     footprint(bytes, path)?.check(memory::available(), path)?;
     match layer {
@@ -126,7 +142,8 @@ fn texels(
 pub struct Footprint {
     /// Bytes of its texels as a texture.
     pub held: u64,
-    /// Bytes of its levels of detail: a third of the texels, which are floats beyond 8 bits.
+    /// Bytes of its levels of detail: a third of the texels, which are floats beyond 8 bits. A slot that gives primaries to a
+    /// picture of 8 bits makes them floats too, and four times as large.
     pub levels: u64,
     /// Additional bytes for the decoder.
     pub decoding: u64,
@@ -154,12 +171,11 @@ impl Footprint {
     }
 }
 
-/// The memory that [`decode`] takes for the bytes of a file read from `path`.
+/// The memory that [`decode`] takes for the bytes of a picture called `path`.
 ///
 /// # Errors
 /// Damaged, foreign or oversized contents.
 pub fn footprint(bytes: &[u8], path: &Path) -> Result<Footprint, ImageError> {
-    let (path, _) = file_and_layer(path);
     if bytes.starts_with(&EXR_MAGIC) {
         // Only one of the parts is decoded.
         let parts = open_exr::headers(bytes, path)?;
@@ -202,14 +218,11 @@ pub fn dimensions(path: &Path) -> Result<[u32; 2], ImageError> {
     Ok([width, height])
 }
 
-/// The RGB texels of a picture, scene-linear in Rec. 709.
-fn linear_image(bytes: &[u8], path: &Path, layer: Option<&str>, color_space: ColorSpace) -> Result<Image, ImageError> {
+/// The RGB texels of a picture file, scene-linear in Rec. 709.
+fn linear_image(file: &Path, layer: Option<&str>, color_space: ColorSpace) -> Result<(Image, Vec<Remark>), ImageError> {
     let mut remarks = Vec::new();
-    let (size, texels) = texels(bytes, path, layer, &mut remarks)?;
-    match remarks.pop() {
-        Some(remark) if color_space == ColorSpace::Srgb => Err(damaged(path, remark)),
-        _ => Ok(Image { size, pixels: linear_pixels(&texels, color_space) }),
-    }
+    let (size, texels) = texels(&contents(file)?, file, layer, &mut remarks)?;
+    Ok((Image { size, pixels: linear_pixels(&texels, color_space) }, remarks))
 }
 
 fn linear_pixels(texels: &Texels, color_space: ColorSpace) -> Vec<Vec3> {
@@ -368,8 +381,11 @@ mod tests {
         let channels = openexr::SpecificChannels::build().with_channel("depth").with_pixel_fn(|_| (1.0f32,));
         let mut bytes = Cursor::new(Vec::new());
         exr::image::Image::from_channels((4, 2), channels).write().to_buffered(&mut bytes).unwrap();
-        let message = decode(bytes.get_ref(), Path::new("z.exr")).unwrap_err().to_string();
-        assert!(message.contains("depth") && message.ends_with("(z.exr)"), "{message}");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("z.exr");
+        std::fs::write(&path, bytes.get_ref()).unwrap();
+        let message = read(&path).unwrap_err().to_string();
+        assert!(message.contains("depth") && message.ends_with("/z.exr)"), "{message}");
     }
 
     #[test]

@@ -99,18 +99,27 @@ impl Files {
     }
 
     /// The file that `name` refers to, or the layer of it that it names ([`file_and_layer`]), with either kind of slash and in
-    /// any case. If its path leads nowhere, or outside, only the
-    /// file's name counts. This finds files with another machine's paths, and files copied into the folder.
+    /// any case. If its path leads nowhere, or outside, only the file's name counts. This finds files with another machine's
+    /// paths, and files copied into the folder.
     pub fn find(&mut self, name: &str) -> Result<PathBuf, Trouble> {
-        let parts = name.trim().trim_matches('"').replace('\\', "/");
+        let name = name.trim().trim_matches('"');
+        let found = self.candidates(name);
+        match split(name) {
+            Some((file, layer)) if found.is_empty() => {
+                let found = self.candidates(file);
+                self.allowed(file, found).map(|file| with_layer(&file, layer))
+            }
+            _ => self.allowed(name, found),
+        }
+    }
+
+    /// The files that `name` may refer to, the best first.
+    fn candidates(&mut self, name: &str) -> Vec<PathBuf> {
+        let parts = name.replace('\\', "/");
         let last = parts.rsplit('/').next().unwrap_or(&parts);
         let named = self.listings.file(&self.folder, &parts);
         let beside = if last == parts { None } else { self.listings.file(&self.folder, last) };
-        let found: Vec<_> = named.into_iter().chain(beside).collect();
-        match split(name.trim().trim_matches('"')) {
-            Some((file, layer)) if found.is_empty() => self.find(file).map(|file| with_layer(&file, layer)),
-            _ => self.allowed(name, found),
-        }
+        named.into_iter().chain(beside).collect()
     }
 
     /// The file at the path `name` from the folder, in any case.
@@ -145,10 +154,10 @@ impl Files {
     }
 
     /// Decodes a picture that fits the budget. What its header says and cannot be used becomes a warning.
-    pub fn decode(&mut self, bytes: &[u8], path: &Path) -> Result<Texture, ImageError> {
+    pub fn decode(&mut self, bytes: &[u8], path: &Path, layer: Option<&str>) -> Result<Texture, ImageError> {
         let mut remarks = Vec::new();
-        let texture = decode_with(bytes, path, &mut remarks)?;
-        let name = name_of(path);
+        let texture = decode_with(bytes, path, layer, &mut remarks)?;
+        let name = name_of(path, layer);
         self.remarks.extend(remarks.into_iter().map(|remark| format!("the picture \"{name}\": {remark}")));
         Ok(texture)
     }
@@ -234,6 +243,17 @@ impl Listings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_is_split_once_however_often_it_could_be() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut files = Files::beside(&folder.path().join("a.obj"), &Default::default());
+        assert!(matches!(files.find(&"a.exr#".repeat(10_000)), Err(Trouble::Reason(_))));
+        std::fs::write(folder.path().join("a.exr#b.exr"), b"").unwrap();
+        let mut files = Files::beside(&folder.path().join("a.obj"), &Default::default());
+        let found = files.find("\"maps/a.exr#B.exr#c\"").ok();
+        assert_eq!(found, Some(folder.path().join("a.exr#b.exr#c")));
+    }
 
     #[test]
     fn a_picture_without_room_is_a_matter_of_memory_and_a_damaged_one_is_not() {

@@ -217,15 +217,15 @@ impl MaterialLoader<'_> {
 
     fn texture(&mut self, name: &str) -> Result<u32, ImportError> {
         let found = self.files.find(name).map_err(|trouble| self.unread(trouble, name))?;
-        let names_layer = file_and_layer(&found).1.is_some();
+        let (file, layer) = file_and_layer(&found);
         let bytes = self.files.read(&found).map_err(|trouble| self.unread(trouble, name))?;
-        if let Some(known) = self.known(&bytes).filter(|_| !names_layer) {
+        if let Some(known) = self.known(&bytes).filter(|_| layer.is_none()) {
             return Ok(known);
         }
         let failed = |source| ImportError::Map { path: self.path.into(), source };
-        let footprint = footprint(&bytes, &found).map_err(failed)?;
+        let footprint = footprint(&bytes, file).map_err(failed)?;
         self.files.budget.take_picture(bytes.len(), footprint).map_err(|over| over.at(self.path))?;
-        let mut texture = self.files.decode(&bytes, &found).map_err(failed)?;
+        let mut texture = self.files.decode(&bytes, file, layer).map_err(failed)?;
         texture.name = name.to_owned();
         if let Some(known) = self.known(&texture.encoded) {
             return Ok(known);

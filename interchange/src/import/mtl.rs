@@ -27,6 +27,12 @@ pub(crate) const BUMP_METRES: f32 = 0.01;
 /// A specular color up to this is taken as reflectance at normal incidence, a larger one as a Phong weight.
 pub(crate) const LARGEST_DIELECTRIC_F0: f32 = 0.2;
 
+/// What the texels of the map of a key are: MTL itself does not say it.
+pub(crate) fn color_space(key: &str) -> ColorSpace {
+    let is_color = ["map_kd", "map_ke"].iter().any(|color| key.eq_ignore_ascii_case(color));
+    if is_color { ColorSpace::Srgb } else { ColorSpace::Linear }
+}
+
 /// Adds the materials called `names` to `source`, from the library `entries`, and reports missing and ignored ones.
 ///
 /// # Errors
@@ -95,7 +101,7 @@ fn add_layers(material: &mut Material, entry: &MtlEntry) {
 fn add_layer_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibrary) -> Result<(), Trouble> {
     for (key, name) in [("map_pc", "coat_weight"), ("map_pcr", "coat_roughness"), ("map_ps", "fuzz_weight")] {
         let Some(map) = entry.map(key).filter(|_| material.model == BrdfModel::OpenPbr) else { continue };
-        material.maps.set(name, Some(texture_slot(&map, ColorSpace::Linear, library)?));
+        material.maps.set(name, Some(texture_slot(&map, key, library)?));
     }
     Ok(())
 }
@@ -161,19 +167,19 @@ fn dielectric(ni: Option<f32>, ks: Option<Vec3>, has_map: bool) -> (f32, f32) {
 
 fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibrary) -> Result<(), Trouble> {
     // The first of the keys that the entry has.
-    let mut slot = |keys: &[&str], color_space| {
-        let map = keys.iter().find_map(|key| entry.map(key));
-        map.map(|m| texture_slot(&m, color_space, library).map(|slot| (m.multiplier, slot))).transpose()
+    let mut slot = |keys: &[&str]| {
+        let map = keys.iter().find_map(|key| Some((key, entry.map(key)?)));
+        map.map(|(key, m)| texture_slot(&m, key, library).map(|slot| (m.multiplier, slot))).transpose()
     };
-    let mut value = |key: &str, color_space| slot(&[key], color_space).map(|found| found.map(|(_, slot)| slot));
+    let mut value = |key: &str| slot(&[key]).map(|found| found.map(|(_, slot)| slot));
     let maps = &mut material.maps;
-    maps.set("base_color", value("map_kd", ColorSpace::Srgb)?);
-    maps.set("roughness", value("map_pr", ColorSpace::Linear)?);
-    maps.set("metalness", value("map_pm", ColorSpace::Linear)?);
-    maps.set("emission_color", value("map_ke", ColorSpace::Srgb)?);
-    maps.set("specular", value("map_ks", ColorSpace::Linear)?);
-    maps.set("normal", slot(&["norm", "map_kn"], ColorSpace::Linear)?.map(with_strength));
-    let bump = slot(&["bump", "map_bump"], ColorSpace::Linear)?;
+    maps.set("base_color", value("map_kd")?);
+    maps.set("roughness", value("map_pr")?);
+    maps.set("metalness", value("map_pm")?);
+    maps.set("emission_color", value("map_ke")?);
+    maps.set("specular", value("map_ks")?);
+    maps.set("normal", slot(&["norm", "map_kn"])?.map(with_strength));
+    let bump = slot(&["bump", "map_bump"])?;
     match bump {
         // Many exporters use this key for normal maps.
         Some(bump) if looks_like_normals(&library.textures[bump.1.texture as usize]) => {
@@ -184,7 +190,7 @@ fn add_maps(material: &mut Material, entry: &MtlEntry, library: &mut TextureLibr
         None => {}
     }
     if let Some(map) = entry.map("map_d") {
-        let slot = texture_slot(&map, ColorSpace::Linear, library)?;
+        let slot = texture_slot(&map, "map_d", library)?;
         // A picture with an alpha channel has the opacity there, whatever its colors.
         let has_alpha = library.textures[slot.texture as usize].least(Channel::A as usize, ColorSpace::Linear) < 1.0;
         let channel = map.channel.unwrap_or(if has_alpha { Channel::A } else { Channel::R });
@@ -198,14 +204,10 @@ fn with_strength((strength, slot): (f32, TextureSlot)) -> TextureSlot {
 }
 
 /// MTL counts v from the bottom of the picture: `1 - (s (1 - v) + o) = s v + (1 - s - o)`.
-fn texture_slot(
-    map: &MapStatement,
-    color_space: ColorSpace,
-    library: &mut TextureLibrary,
-) -> Result<TextureSlot, Trouble> {
+fn texture_slot(map: &MapStatement, key: &str, library: &mut TextureLibrary) -> Result<TextureSlot, Trouble> {
     Ok(TextureSlot {
         texture: library.load(&map.file)?,
-        color_space,
+        color_space: color_space(key),
         channel: map.channel.unwrap_or_default(),
         scale: map.scale,
         offset: Vec2::new(map.offset.x, 1.0 - map.scale.y - map.offset.y),

@@ -2,7 +2,7 @@
 
 use super::files::{Files, Trouble};
 use crate::{
-    image::footprint,
+    image::{file_and_layer, footprint},
     import::{report::ImportReport, source::Source},
 };
 use lapidary_core::texture::Texture;
@@ -59,7 +59,8 @@ impl TextureLibrary {
         self.try_load_with(&source, name, |files| {
             let path = found?;
             let bytes = files.read(&path)?;
-            read_picture(&bytes, &path, files)
+            let (file, layer) = file_and_layer(&path);
+            read_picture(&bytes, file, layer, files)
         })
     }
 
@@ -148,9 +149,14 @@ pub fn sanitized(texture: &mut Texture) -> Option<String> {
     })
 }
 
-/// Decodes a picture within the memory budget.
-pub(super) fn read_picture(bytes: &[u8], path: &Path, files: &mut Files) -> Result<Texture, Trouble> {
+/// Decodes a picture, or a layer of it, within the memory budget.
+pub(super) fn read_picture(
+    bytes: &[u8],
+    path: &Path,
+    layer: Option<&str>,
+    files: &mut Files,
+) -> Result<Texture, Trouble> {
     let footprint = footprint(bytes, path).map_err(|e| e.to_string())?;
     files.budget.take_picture(bytes.len(), footprint)?;
-    Ok(files.decode(bytes, path)?)
+    Ok(files.decode(bytes, path, layer)?)
 }

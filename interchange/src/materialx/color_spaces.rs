@@ -4,25 +4,39 @@ use super::graph::holds_floats;
 use glam::Vec3;
 use lapidary_core::{color::linear_from_srgb, texture::ColorSpace};
 
-/// The names of a color space; the first is written.
+/// Names of values that are taken as they are, whatever a file says of its colors; the first is written.
+const RAW: [&str; 2] = ["raw", "none"];
+
+/// The names of a color space in lower case; the first is written.
 const SPACES: [(ColorSpace, &[&str]); 6] = [
-    (ColorSpace::Srgb, &["srgb_texture", "sRGB", "srgb"]),
-    (ColorSpace::Linear, &["lin_rec709", "linear", "lin_srgb", "none", "raw", ""]),
+    (ColorSpace::Srgb, &["srgb_texture", "srgb"]),
+    (ColorSpace::Linear, &["lin_rec709", "linear", "lin_srgb", RAW[0], RAW[1], ""]),
     (ColorSpace::AcesCg, &["acescg", "lin_ap1", "lin_ap1_scene"]),
-    (ColorSpace::Aces2065, &["lin_ap0", "lin_ap0_scene", "aces2065_1"]),
+    (ColorSpace::Aces2065, &["lin_ap0", "lin_ap0_scene", "aces2065_1", "aces2065-1"]),
     (ColorSpace::Rec2020, &["lin_rec2020", "lin_rec2020_scene"]),
     (ColorSpace::P3, &["lin_displayp3", "lin_p3d65", "lin_p3d65_scene"]),
 ];
 
-/// The color space of a name.
+/// The color space of a name in any case.
 pub fn named(name: &str) -> Option<ColorSpace> {
-    SPACES.iter().find(|(_, names)| names.contains(&name)).map(|(space, _)| *space)
+    let name = name.trim().to_ascii_lowercase();
+    SPACES.iter().find(|(_, names)| names.contains(&name.as_str())).map(|(space, _)| *space)
 }
 
-/// The name that is written for a picture; none where the document's own or the file says it.
+/// The color space of a picture that a document calls so. What float pictures say of their own colors counts, unless the name
+/// says that they are values.
+pub fn of_picture(space: ColorSpace, name: &str, file: &str) -> ColorSpace {
+    let is_raw = RAW.iter().any(|raw| name.trim().eq_ignore_ascii_case(raw));
+    if space == ColorSpace::Linear && holds_floats(file) && !is_raw { ColorSpace::Srgb } else { space }
+}
+
+/// The name that is written for a picture of colors; none where the document's own or the file says it.
 pub fn written(space: ColorSpace, file: &str) -> Option<&'static str> {
-    let is_said = space == ColorSpace::Linear || space == ColorSpace::Srgb && holds_floats(file);
-    SPACES.iter().find(|(other, _)| *other == space && !is_said).map(|(_, names)| names[0])
+    match (space, holds_floats(file)) {
+        (ColorSpace::Srgb, true) | (ColorSpace::Linear, false) => None,
+        (ColorSpace::Linear, true) => Some(RAW[0]),
+        _ => SPACES.iter().find(|(other, _)| *other == space).map(|(_, names)| names[0]),
+    }
 }
 
 /// A color of this space in linear Rec. 709.

@@ -318,9 +318,7 @@ impl<'a> Graph<'a> {
 
     /// The color space of an element, given there or on an ancestor.
     fn color_space(&self, element: XmlNode) -> ColorSpace {
-        let Some(name) = element.ancestors().find_map(|node| node.attribute("colorspace")) else {
-            return ColorSpace::Linear;
-        };
+        let name = space_name(element);
         color_spaces::named(name).unwrap_or_else(|| {
             let is_linear = name.starts_with("lin_");
             let taken = if is_linear { "linear Rec. 709" } else { "sRGB" };
@@ -347,10 +345,11 @@ impl<'a> Graph<'a> {
         let layer = self.layer(node, file);
         let kind =
             if node.has_tag_name("gltf_colorimage") { "color4" } else { node.attribute("type").unwrap_or("color3") };
-        // Only colors are converted from a space. Float pictures that the document calls linear may name their own.
-        let color_space = match kind.starts_with("color").then(|| self.color_space(told)) {
-            Some(ColorSpace::Linear) if holds_floats(file) => ColorSpace::Srgb,
-            color_space => color_space.unwrap_or_default(),
+        // Only colors are converted from a space.
+        let color_space = if kind.starts_with("color") {
+            color_spaces::of_picture(self.color_space(told), space_name(told), file)
+        } else {
+            ColorSpace::Linear
         };
         let picture = Picture {
             file: format!("{prefix}{file}{layer}"),
@@ -401,6 +400,11 @@ impl<'a> Graph<'a> {
         let numbers = self.constant(node, name, &[1.0])?;
         Ok(triple(&numbers))
     }
+}
+
+/// The name of the color space of an element, given there or on an ancestor.
+fn space_name<'a>(element: XmlNode<'a>) -> &'a str {
+    element.ancestors().find_map(|node| node.attribute("colorspace")).unwrap_or_default()
 }
 
 /// Whether a picture of this name has float texels, which no transfer function encodes.

@@ -158,6 +158,21 @@ fn gltf_materials_and_cameras_are_read() {
 }
 
 #[test]
+fn gltf_pictures_may_be_called_like_layers() {
+    use base64::Engine;
+    let png = lapidary_interchange::image::encode_png(&lapidary_core::image::Image::filled([1, 1], Vec3::Y));
+    let data = base64::engine::general_purpose::STANDARD.encode(png);
+    let rest = format!(
+        r#", "images": [{{"name": "x.exr#1", "uri": "data:image/png;base64,{data}"}}], "textures": [{{"source": 0}}],
+           "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}]"#
+    );
+    let file = Gltf { rest: Box::leak(rest.into_boxed_str()), primitive: r#""indices": 1, "material": 0"#, ..QUAD };
+    let imported = import_alone("a.gltf", file.embedded()).unwrap();
+    assert!(imported.report.unread.is_empty(), "{:?}", imported.report.unread);
+    assert_eq!(imported.scene.textures[0].texel(0, 0, ColorSpace::Srgb).truncate(), Vec3::Y);
+}
+
+#[test]
 fn gltf_coats_and_sheen_become_openpbr_and_bad_textures_are_told() {
     let file = |texture: u32| {
         Gltf {

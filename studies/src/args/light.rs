@@ -21,9 +21,9 @@ const DARK: &str = "constant:0,0,0";
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Light")]
 pub(super) struct EnvironmentArgs {
-    /// Environment map: a latitude-longitude .hdr or .exr file (FILE.exr#LAYER for one of its layers), or one of constant:R,G,B (each 0 to 1e12),
-    /// sun-sky:ELEVATION (0 to 90 degrees), studio, orientation and none [default: studio; none with --lights or if the
-    /// dataset was baked without the environment]
+    /// Environment map: a latitude-longitude .hdr or .exr file (FILE.exr#LAYER for one of its layers), or one of
+    /// constant:R,G,B (each 0 to 1e12), sun-sky:ELEVATION (0 to 90 degrees), studio, orientation and none [default:
+    /// studio; none with --lights or if the dataset was baked without the environment]
     #[arg(long, value_name = "MAP")]
     env: Option<String>,
     /// Color space of the environment file

@@ -6,6 +6,7 @@ use egui::{
     Align, Context, Key, Label, Layout, Modal, RichText, ScrollArea, TextEdit, Ui,
     text::{CCursor, CCursorRange},
 };
+use lapidary_interchange::image::file_and_layer;
 use std::path::{Path, PathBuf};
 
 /// Entries that are listed; more can be typed.
@@ -156,7 +157,7 @@ impl PathEntry {
             }
             _ if typed.is_empty() => self.problem = Some("Choose a file or type a path.".into()),
             Mode::Save => return self.accept_to_write(path),
-            Mode::Open | Mode::OpenMany if path.is_file() => return Some(path),
+            Mode::Open | Mode::OpenMany if file_and_layer(&path).0.is_file() => return Some(path),
             _ => self.problem = Some(format!("File not found; check the path ({})", path.display())),
         }
         None
@@ -225,7 +226,7 @@ fn expand_home(typed: &str) -> PathBuf {
 mod tests {
     use super::*;
     use crate::actions::Action;
-    use crate::actions::FileAction;
+    use crate::actions::{EnvironmentAction, FileAction};
     use egui_kittest::{Harness, kittest::Queryable};
 
     fn entry(action: &Action, folder: &Path, name: &str) -> PathEntry {
@@ -256,6 +257,16 @@ mod tests {
         assert_eq!(entry.accept(), Some(folder.path().join("b.obj")));
         entry.enter_parent();
         assert_eq!(entry.folder, folder.path());
+    }
+
+    #[test]
+    fn a_layer_of_a_picture_is_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.exr"), b"").unwrap();
+        let load = Action::Environment(EnvironmentAction::Load(None));
+        let typed = |name: &str| entry(&load, folder.path(), name).accept();
+        assert_eq!(typed("a.exr#Normal"), Some(folder.path().join("a.exr#Normal")));
+        assert_eq!([typed("gone.exr#Normal"), typed("a.png#Normal")], [None, None], "negative control");
     }
 
     #[test]

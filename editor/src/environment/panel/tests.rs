@@ -133,6 +133,11 @@ fn a_color_space_is_given_to_a_map_and_left_behind_with_it() {
     let kept = EnvironmentSettings { spec: "/maps/Harbor.exr".into(), ..Default::default() };
     assert_eq!(given, EnvironmentSettings { color_space: ColorSpace::AcesCg, ..kept });
     assert_eq!(given.with_map("studio"), EnvironmentSettings::default());
+    let [layer, other] = ["Harbor.exr#depth", "Market.exr"].map(|map| given.with_map(&format!("/maps/{map}")));
+    assert_eq!((layer.color_space, other.color_space), (ColorSpace::AcesCg, ColorSpace::Srgb), "of the same file");
+    assert_eq!(layer.with_map("/maps/Harbor.exr"), given);
+    let formula = EnvironmentSettings { color_space: ColorSpace::AcesCg, ..Default::default() };
+    assert_eq!(formula.with_map("sun-sky").color_space, ColorSpace::Srgb, "a formula has no file");
     assert!(panel(probe("studio")).query_by_label("Color space").is_none(), "formulas are in Rec. 709");
 }
 

@@ -18,7 +18,7 @@ use lapidary_core::{
     brdf::{BrdfModel, Parameter},
     texture::{Channel, ColorSpace, Texels, TextureSlot, UvSet, Wrap},
 };
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
 
 /// Side of a thumbnail in points.
 const THUMBNAIL: f32 = 26.0;
@@ -42,7 +42,8 @@ pub fn slot(
         if let Some(path) = dropped_on(ui, shown.rect) {
             target.load(Some(path), actions);
         }
-        if let Some(path) = entry.and_then(|entry| layer_row(ui, state, context, entry)) {
+        let file = entry.and_then(|entry| context.document.file_of(entry));
+        if let Some(path) = file.and_then(|file| state.layers.row(ui, &file)) {
             target.load(Some(path), actions);
         }
         if changes.material.maps.get(target.kind).is_some() {
@@ -102,18 +103,6 @@ fn picture_row(
         changes.note("Remove map", Edited::at_once(true));
     }
     row.response
-}
-
-/// The layer of a picture's file, if it has several. Returns the path of the chosen one.
-fn layer_row(
-    ui: &mut Ui,
-    state: &mut MaterialPanel,
-    context: &MaterialContext,
-    entry: &TextureEntry,
-) -> Option<PathBuf> {
-    let path = context.document.file_of(entry)?;
-    // A changed file is loaded anew.
-    state.layers.row(ui, &path, Arc::as_ptr(&entry.texture).addr())
 }
 
 /// Text beside a thumbnail, and its tooltip.
@@ -314,9 +303,9 @@ fn reading(
     }
     let help = "How texels are read: sRGB for colors, linear for values such as roughness.";
     let mut spaces = spaces_of_file(entry.map(|entry| &entry.texture.texels), slot.color_space);
-    if BrdfModel::declared(kind).is_some_and(Parameter::is_color) {
-        spaces.extend(GIVEN_SPACES);
-    }
+    // A file of materials may give one to a map of values too.
+    let is_color = BrdfModel::declared(kind).is_some_and(Parameter::is_color);
+    spaces.extend(GIVEN_SPACES.into_iter().filter(|(space, ..)| is_color || *space == slot.color_space));
     changes.note("Map color space", combo_row(ui, "Color space", help, &mut slot.color_space, &spaces));
 }
 

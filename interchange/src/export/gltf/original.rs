@@ -7,7 +7,7 @@ use crate::{
         error::{ExportError, Exported},
         gltf::{compose::Textures, materials::MaterialWriter},
     },
-    image::PictureFormat,
+    image::{PictureFormat, file_and_layer},
     import::{ImportError, ImportOptions, Imported, gltf::container::Container, import_with},
 };
 use base64::Engine;
@@ -219,9 +219,12 @@ fn copy_companions(json: &[u8], path: &Path, original: &Path) -> Result<Vec<Path
     let names: BTreeSet<String> = uris.map(crate::import::percent_decoded).collect();
     let mut copied = Vec::new();
     for name in names {
-        let (source, target) = (from.join(&name), to.join(&name));
+        // It may be a layer of a file.
+        let layer = file_and_layer(&from.join(&name)).1.map_or(0, |layer| layer.len() + 1);
+        let name = &name[..name.len() - layer];
+        let (source, target) = (from.join(name), to.join(name));
         // Files outside are found from a sibling folder as before, or not at all.
-        let is_inside = Path::new(&name)
+        let is_inside = Path::new(name)
             .components()
             .all(|part| matches!(part, std::path::Component::Normal(_) | std::path::Component::CurDir));
         if !source.is_file() || !is_inside || is_same_output(&source, &target) {

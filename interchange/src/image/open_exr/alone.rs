@@ -1,7 +1,7 @@
 //! One layer of an OpenEXR file as a file of its own, which shows it without a choice. Datasets and exports hold it: they need
 //! no other layers, and other programs know no names of layers.
 
-use super::{Choice, Planes, choose, headers, read_part, words};
+use super::{Choice, Planes, headers, named, read_part, words};
 use crate::image::layers::{LOSSLESS, text};
 use exr::prelude::{self as openexr, WritableImage};
 use lapidary_core::image::ImageError;
@@ -15,8 +15,8 @@ type Channels = openexr::SmallVec<[openexr::AnyChannel<openexr::FlatSamples>; 4]
 /// Contents that are damaged, or without the layer.
 pub fn alone(bytes: &[u8], path: &Path, layer: &str) -> Result<Option<Vec<u8>>, ImageError> {
     let headers = headers(bytes, path)?;
-    let choice = choose(&headers, path, Some(layer))?;
-    let is_shown = super::choices::whole(&headers).is_ok_and(|whole| whole == choice);
+    let choice = named(&headers, path, layer)?;
+    let is_shown = super::choices::whole(&headers).is_some_and(|whole| whole == choice);
     if is_shown && headers.len() == 1 && headers[0].channels.list.len() == choice.channels().count() {
         return Ok(None);
     }

@@ -3,9 +3,16 @@
 
 use super::words;
 use exr::meta::header::Header;
+use std::collections::{HashMap, HashSet};
 
 /// Last words of names of layers that hold the whole picture, the best first.
 const WHOLE: [&str; 4] = ["beauty", "rgba", "rgb", "combined"];
+
+/// Why a file without choices shows nothing.
+pub const DEEP: &str = "deep pixels are not supported";
+
+/// Most names in a message.
+const LISTED: usize = 20;
 
 /// Name of the colors without a layer, in a part without a name.
 const UNNAMED: &str = "RGBA";
@@ -142,32 +149,32 @@ fn joined([part, prefix, channel]: [&str; 3]) -> String {
 /// The layers of all parts with flat pixels.
 fn layers(headers: &[Header]) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
+    let mut known: HashMap<(usize, String), usize> = HashMap::new();
     for (part, header) in headers.iter().enumerate().filter(|(_, header)| !header.deep) {
         let plain_name = header.own_attributes.layer_name.as_ref().map(words).filter(|name| !name.is_empty());
         let part_name = plain_name.clone().filter(|_| headers.len() > 1).unwrap_or_default();
         for channel in &header.channels.list {
             let full = words(&channel.name);
             let (prefix, channel) = full.rsplit_once('.').unwrap_or(("", &full));
-            match layers.iter_mut().find(|layer| layer.part == part && layer.prefix == prefix) {
-                Some(layer) => layer.channels.push(channel.into()),
-                None => layers.push(Layer {
+            let index = *known.entry((part, prefix.into())).or_insert_with(|| {
+                layers.push(Layer {
                     part,
                     part_name: part_name.clone(),
                     prefix: prefix.into(),
                     plain_name: plain_name.clone(),
-                    channels: vec![channel.into()],
-                }),
-            }
+                    channels: Vec::new(),
+                });
+                layers.len() - 1
+            });
+            layers[index].channels.push(channel.into());
         }
     }
     layers
 }
 
-/// The layer of colors that shows the whole picture: the unnamed one, else one with a usual name, else the first.
-///
-/// # Errors
-/// A file without colors, in words.
-pub fn whole(headers: &[Header]) -> Result<Choice, String> {
+/// The layer of colors that shows the whole picture: the unnamed one, else one with a usual name, else the first. `None` for a
+/// file without colors.
+pub fn whole(headers: &[Header]) -> Option<Choice> {
     let layers = layers(headers);
     let mut best: Option<(usize, Choice)> = None;
     for layer in &layers {
@@ -186,16 +193,13 @@ pub fn whole(headers: &[Header]) -> Result<Choice, String> {
             best = Some((rank, layer.choice(name, planes, layer.named("A"))));
         }
     }
-    best.map(|(_, choice)| choice).ok_or_else(|| {
-        let names: Vec<String> = layers.iter().flat_map(Layer::choices).map(|choice| choice.name).collect();
-        match names.first() {
-            None => "deep pixels are not supported".into(),
-            Some(first) => format!(
-                "it has no R, G, B or Y, but {}; choose one by its name after the file, as in FILE.exr#{first}",
-                names.join(", ")
-            ),
-        }
-    })
+    best.map(|(_, choice)| choice)
+}
+
+/// Names of choices for a message.
+pub fn listed(names: &[String]) -> String {
+    let shown = names[..names.len().min(LISTED)].join(", ");
+    if names.len() > LISTED { format!("{shown} and {} more", names.len() - LISTED) } else { shown }
 }
 
 /// Place of a layer in the order of preference.
@@ -214,13 +218,10 @@ fn rank(layer: &Layer) -> usize {
 
 /// All choices, each name once, and first that of the whole picture if there is one.
 pub fn all(headers: &[Header]) -> Vec<Choice> {
-    let mut all: Vec<Choice> = whole(headers).into_iter().collect();
-    for choice in layers(headers).iter().flat_map(Layer::choices) {
-        if !all.iter().any(|other| plain(&other.name) == plain(&choice.name)) {
-            all.push(choice);
-        }
-    }
-    all
+    let mut names = HashSet::new();
+    let layers = layers(headers);
+    let choices = whole(headers).into_iter().chain(layers.iter().flat_map(Layer::choices));
+    choices.filter(|choice| names.insert(plain(&choice.name))).collect()
 }
 
 /// The choice of a name in any case, where `-` matches `_`. The last words of a long name suffice, `beauty` also means the
@@ -238,13 +239,9 @@ pub fn find(headers: &[Header], name: &str) -> Result<Choice, String> {
     let singles: Vec<Choice> = layers(headers).iter().flat_map(Layer::singles).collect();
     let found = choices.iter().find(is_exact).or_else(|| choices.iter().find(is_unnamed));
     let found = found.or_else(|| singles.iter().find(is_exact)).or_else(|| choices.iter().find(is_end));
-    found.cloned().ok_or_else(|| {
-        let names: Vec<&str> = choices.iter().map(|choice| choice.name.as_str()).collect();
-        if names.is_empty() {
-            "deep pixels are not supported".into()
-        } else {
-            format!("the file has {}", names.join(", "))
-        }
+    found.or_else(|| singles.iter().find(is_end)).cloned().ok_or_else(|| {
+        let names: Vec<String> = choices.into_iter().map(|choice| choice.name).collect();
+        if names.is_empty() { DEEP.into() } else { format!("the file has {}", listed(&names)) }
     })
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::image::{decode, layers_in, read_layer, with_layer};
+use crate::image::{decode, decode_with, layer_of, layers_in, read_layer, with_layer};
 use exr::prelude::WritableImage;
 use lapidary_core::texture::Texture;
 
@@ -105,8 +105,48 @@ fn the_part_with_colours_is_read_and_a_usual_name_comes_first() {
     let gray = |name, value| part(Some(name), &[("Y", value)]);
     assert_eq!(shown(vec![gray("height", 3.0), gray("mask", 4.0)]), [3.0, 3.0, 3.0, 1.0], "the first of grays");
     assert_eq!(shown(vec![gray("height", 3.0), colors("left", 1.0)]), [1.0, 1.0, 1.0, 0.5], "colors before grays");
-    let message = read(&written(vec![depth(), part(Some("more"), &[("id", 1.0)])])).unwrap_err();
-    assert!(message.contains("depth, more"), "{message}");
+}
+
+#[test]
+fn a_file_without_colours_shows_its_first_layer_and_tells_the_others() {
+    let bytes = written(vec![part(Some("depth"), &[("Z", 7.0)]), part(Some("more"), &[("id", 1.0)])]);
+    let mut remarks = Vec::new();
+    let texture = decode_with(&bytes, Path::new("a.exr"), None, &mut remarks).unwrap();
+    assert_eq!(texture.texel(0, 0, Default::default()).to_array(), [7.0, 7.0, 7.0, 1.0]);
+    assert_eq!(remarks.len(), 1);
+    assert!(remarks[0].contains("depth, more; depth is shown") && remarks[0].contains("#more"), "{remarks:?}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    std::fs::write(&path, &bytes).unwrap();
+    assert_eq!(layers_in(&path), ["depth", "more"]);
+    let (image, told) = crate::image::read_in(&path, Default::default()).unwrap();
+    assert_eq!((image.at(0, 0), told), (Vec3::splat(7.0), remarks));
+    // A measurement takes no layer by chance.
+    let refused = crate::image::read(&path).unwrap_err().to_string();
+    assert!(refused.contains("depth, more; choose one") && refused.ends_with("/a.exr)"), "{refused}");
+    assert!(crate::image::read(&with_layer(&path, "depth")).is_ok(), "negative control");
+    let mut remarks = Vec::new();
+    decode_with(&written(vec![part(None, &[("Y", 1.0)])]), Path::new("a.exr"), None, &mut remarks).unwrap();
+    assert_eq!(remarks, [""; 0], "negative control: gray is a picture");
+}
+
+#[test]
+fn twenty_thousand_channels_are_listed_in_no_time() {
+    let names: Vec<String> =
+        (0..20_000).map(|i| if i % 2 == 0 { format!("c{i}") } else { format!("l{i}.Z") }).collect();
+    let channel = |name: &String| openexr::AnyChannel::new(name.as_str(), openexr::FlatSamples::F32(vec![1.0]));
+    let channels = openexr::AnyChannels::sort(names.iter().map(channel).collect());
+    let image = openexr::Image::from_channels((1, 1), channels);
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().to_buffered(&mut bytes).unwrap();
+    let headers = headers(bytes.get_ref().as_slice(), Path::new("a.exr")).unwrap();
+    let before = std::time::Instant::now();
+    let all = choices::all(&headers);
+    assert_eq!(all.len(), names.len());
+    let missing = choices::find(&headers, "nothing").unwrap_err();
+    assert!(missing.ends_with(" more") && missing.len() < 500, "{missing}");
+    let taken = before.elapsed().as_secs_f32();
+    assert!(taken < 2.0, "{taken} s");
 }
 
 #[test]
@@ -142,9 +182,13 @@ fn rich() -> Vec<u8> {
     written(vec![part(Some("left"), &colors), part(Some("extra"), &motion)])
 }
 
+fn of_layer(bytes: &[u8], layer: &str) -> Result<Texture, ImageError> {
+    decode_with(bytes, Path::new("a.exr"), Some(layer), &mut Vec::new())
+}
+
 /// The first texel of a layer.
 fn chosen(bytes: &[u8], layer: &str) -> Result<[f32; 4], String> {
-    let texture = decode(bytes, Path::new(&format!("a.exr#{layer}"))).map_err(|e| e.to_string())?;
+    let texture = of_layer(bytes, layer).map_err(|e| e.to_string())?;
     Ok(texture.texel(0, 0, Default::default()).to_array())
 }
 
@@ -204,9 +248,17 @@ fn colours_vectors_and_single_channels_are_chosen_by_name_in_any_case() {
         ("extra.Motion", [7.0, -7.0, 0.0, 1.0]),
         ("extra", [8.0, 8.0, 8.0, 1.0]),
         ("normal", [-1.0, 0.5, 0.25, 1.0]), // the last words of a name
+        ("V", [4.0, 4.0, 4.0, 1.0]),        // also of a single channel
     ] {
         assert_eq!(chosen(&bytes, layer), Ok(texel), "{layer}");
     }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    std::fs::write(&path, &bytes).unwrap();
+    for (named, whole) in [("normal", Some("left.Normal")), ("V", Some("left.Mist.V")), ("gone", None)] {
+        assert_eq!(layer_of(&with_layer(&path, named)).as_deref(), whole);
+    }
+    assert_eq!(layer_of(&path), None);
     for wrong in ["nothing", "", "left.id", "ormal"] {
         let message = chosen(&bytes, wrong).unwrap_err();
         assert!(message.contains(&format!("\"{wrong}\"")) && message.ends_with("(a.exr)"), "{message}");
@@ -229,16 +281,16 @@ fn only_colours_are_converted_from_the_primaries_of_the_file() {
     let mut bytes = Cursor::new(Vec::new());
     image.write().to_buffered(&mut bytes).unwrap();
     let texel = |layer, space| {
-        let texture = decode(bytes.get_ref(), Path::new(layer)).unwrap();
+        let texture = of_layer(bytes.get_ref(), layer).unwrap();
         // A dataset keeps the bytes and the name.
         let again = decode(&texture.encoded, Path::new(&texture.name)).unwrap();
         assert_eq!((&again.texels, &again.encoded), (&texture.texels, &texture.encoded), "{layer}");
         texture.texel(0, 0, space).truncate()
     };
     use lapidary_core::texture::ColorSpace::{Linear, Srgb};
-    assert!((texel("a.exr#RGBA", Srgb) - Vec3::new(0.0, 0.5, 0.0)).abs().max_element() < 1e-3);
-    assert_eq!(texel("a.exr#RGBA", Linear), Vec3::new(0.5, 0.0, 0.0));
-    assert_eq!(texel("a.exr#N", Srgb), Vec3::new(0.5, 0.0, 0.0));
+    assert!((texel("RGBA", Srgb) - Vec3::new(0.0, 0.5, 0.0)).abs().max_element() < 1e-3);
+    assert_eq!(texel("RGBA", Linear), Vec3::new(0.5, 0.0, 0.0));
+    assert_eq!(texel("N", Srgb), Vec3::new(0.5, 0.0, 0.0));
 }
 
 #[test]
@@ -246,7 +298,7 @@ fn a_chosen_layer_is_kept_alone_and_found_again_with_and_without_its_name() {
     let bytes = rich();
     for layer in ["left", "left.Light", "normal", "left.Z", "left.Mist.V", "extra.Motion", "extra"] {
         let name = format!("a.exr#{layer}");
-        let texture = decode(&bytes, Path::new(&name)).unwrap();
+        let texture = of_layer(&bytes, layer).unwrap();
         assert_eq!(texture.name, name);
         for path in [&*name, "other.exr"] {
             let again = decode(&texture.encoded, Path::new(path)).unwrap();
@@ -262,7 +314,7 @@ fn a_chosen_layer_is_kept_alone_and_found_again_with_and_without_its_name() {
 #[test]
 fn the_window_of_a_chosen_layer_stays() {
     let bytes = windowed([2, 1], [4, 2]);
-    let texture = decode(&bytes, Path::new("a.exr#G")).unwrap();
+    let texture = of_layer(&bytes, "G").unwrap();
     let again = decode(&texture.encoded, Path::new("b.exr")).unwrap();
     assert_eq!((again.size, &again.texels), ([8, 4], &texture.texels));
     assert_eq!(again.texel(3, 2, Default::default()).to_array(), [2.0, 2.0, 2.0, 1.0]);

@@ -321,11 +321,11 @@ impl MaterialReader<'_> {
             Some(uri) if !uri.starts_with("data:") => self.library.try_load(&percent_decoded(uri)),
             Some(uri) => self.library.try_load_with(&format!("image {image}"), &name, |files| {
                 let bytes = read_uri(uri, files)?;
-                read_picture(&bytes, Path::new(&name), files)
+                read_picture(&bytes, Path::new(&name), None, files)
             }),
             None => self.library.try_load_with(&format!("image {image}"), &name, |files| {
                 let view = json.buffer_view.and_then(|v| views.get(v.value())).ok_or("it has no data")?;
-                read_picture(buffers.view(view)?, Path::new(&name), files)
+                read_picture(buffers.view(view)?, Path::new(&name), None, files)
             }),
         }
     }

@@ -9,7 +9,7 @@ use lapidary_core::{
     scene::Scene,
     texture::Texture,
 };
-use std::{path::Path, sync::Arc};
+use std::{collections::BTreeSet, path::Path, sync::Arc};
 
 /// A folder with a material file that names `example.binary`, and that file if `table` is given.
 fn folder(table: Option<&[u8]>) -> tempfile::TempDir {
@@ -133,6 +133,36 @@ fn a_dataset_keeps_the_layer_of_a_map() {
     let texels = |textures: &[Arc<Texture>]| textures.iter().map(|t| t.texels.clone()).collect::<Vec<_>>();
     assert_eq!(texels(&read), texels(&scene.textures));
     assert_ne!(read[0].texels, read[1].texels, "negative control");
+}
+
+#[test]
+fn a_dataset_is_read_whatever_its_pictures_are_called() {
+    let folder = layered();
+    let at = |name: &str| folder.path().join(name);
+    let write = |name: &str, text: &str| std::fs::write(at(name), text).unwrap();
+    let png = crate::image::encode_png(&Image::filled([1, 1], Vec3::Y));
+    std::fs::write(at("shot.exr#1.png"), &png).unwrap();
+    write("a.mtl", "newmtl a\nmap_Kd \"Maps.exr#Normal\"\nmap_Ks shot.exr#1.png\n");
+    write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nusemtl a\nf 1/1 3/1 2/1\n");
+    write("a.json", r#"{"model": "ggx", "maps": {"base_color": {"file": "Maps.exr#Normal "}}}"#);
+    let imported = crate::import::import(&at("a.obj")).unwrap();
+    assert!(imported.report.unread.is_empty(), "{:?}", imported.report.unread);
+    let mut scene = Scene { textures: imported.scene.textures, ..Default::default() };
+    let embedded = "x.exr#1";
+    scene.textures.push(crate::image::decode(&png, Path::new(embedded)).unwrap().into());
+    let mut alone = Scene::default();
+    load_material(&at("a.json"), &mut alone, &Default::default()).unwrap();
+    scene.textures.append(&mut alone.textures);
+    let names: BTreeSet<&str> = scene.textures.iter().map(|texture| texture.name.as_str()).collect();
+    let expected = ["\"Maps.exr#Normal\"", "Maps.exr#Normal ", "shot.exr#1.png", embedded];
+    assert_eq!(names, BTreeSet::from(expected));
+    let mut dataset = lapidary_core::test_scenes::dataset(&[""], &[]);
+    dataset.scene.textures = scene.textures.clone();
+    let path = at("a.cuts");
+    dataset.write(&path).unwrap();
+    let read = lapidary_core::dataset::Dataset::read(&path, crate::image::decode).unwrap().scene.textures;
+    let texels = |textures: &[Arc<Texture>]| textures.iter().map(|t| t.texels.clone()).collect::<Vec<_>>();
+    assert_eq!(texels(&read), texels(&scene.textures));
 }
 
 #[test]

@@ -291,6 +291,34 @@ fn the_primaries_of_a_float_picture_are_in_its_own_file() {
     assert!(!text.contains("srgb_texture"), "{text}");
 }
 
+#[test]
+fn values_of_a_float_picture_stay_values() {
+    let of = |space: &str| {
+        let file = format!("<input name=\"file\" type=\"filename\" value=\"a.exr\" colorspace=\"{space}\"/>");
+        let nodes = format!("<image name=\"p\" type=\"color3\">{file}</image>");
+        let input = "<input name=\"base_color\" type=\"color3\" nodename=\"p\"/>";
+        let read = with_nodes(&nodes, "open_pbr_surface", input);
+        assert!(read.remarks.is_empty(), "{space}: {:?}", read.remarks);
+        read.material
+    };
+    let space = |material: &MaterialFile| material.maps.get("base_color").unwrap().color_space;
+    for values in ["raw", "none", "Raw"] {
+        let material = of(values);
+        assert_eq!(space(&material), Some(ColorSpace::Linear), "{values}");
+        let again = read(&write(&[material], Surface::OpenPbr).unwrap().text, None).unwrap();
+        assert_eq!(space(&again.material), Some(ColorSpace::Linear), "{values}");
+    }
+    for (name, expected) in [
+        ("lin_rec709", ColorSpace::Srgb),
+        ("", ColorSpace::Srgb),
+        ("ACEScg", ColorSpace::AcesCg),
+        ("ACES2065-1", ColorSpace::Aces2065),
+        ("Lin_Rec2020", ColorSpace::Rec2020),
+    ] {
+        assert_eq!(space(&of(name)), Some(expected), "{name}");
+    }
+}
+
 /// A base color by a picture `i` of colors, whose node has `inputs`, and nodes behind it.
 fn picture(inputs: &str, behind: &str) -> ReadMaterial {
     let end = if behind.is_empty() { "i" } else { "n" };

@@ -23,24 +23,23 @@ use std::path::Path;
 pub(super) enum Input {
     Scene(Box<Imported>),
     /// A material, the names of all in its file, its textures and warnings.
-    Material(Box<Material>, Vec<String>, Scene, Vec<String>),
+    Material(Box<Material>, Vec<String>, Box<Scene>, Vec<String>),
     /// A picture, its layers and warnings.
-    Picture(Texture, Layers, Vec<String>),
+    Picture(Box<Texture>, Layers, Vec<String>),
 }
 
 /// The layers of a picture; none if there is no choice.
 #[derive(Default)]
 pub(super) struct Layers {
     all: Vec<String>,
-    /// The one that is read, as the path names it.
+    /// The one that is read.
     read: String,
 }
 
 impl Layers {
     fn of(path: &Path) -> Self {
         let all = image::layers_in(path);
-        let named = image::file_and_layer(path).1.map(str::to_owned);
-        let read = named.or_else(|| all.first().cloned()).unwrap_or_default();
+        let read = image::layer_of(path).or_else(|| all.first().cloned()).unwrap_or_default();
         Self { all, read }
     }
 }
@@ -59,17 +58,17 @@ impl Input {
         if is_materialx(file) || file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
             let mut scene = Scene::default();
             let (material, warnings) = load_material(path, &mut scene, &options)?;
-            return Ok(Some(Self::Material(Box::new(material), materials_in_file(path), scene, warnings)));
+            return Ok(Some(Self::Material(Box::new(material), materials_in_file(path), Box::new(scene), warnings)));
         }
-        let (file, _) = image::file_and_layer(path);
+        let (file, layer) = image::file_and_layer(path);
         if PictureFormat::of(file).is_none() {
             return Ok(None);
         }
         let failed = |source| lapidary_core::image::ImageError::Io { action: "read", path: file.into(), source };
         let mut warnings = Vec::new();
-        let mut texture = image::decode_with(&input::read(file).map_err(failed)?, path, &mut warnings)?;
+        let mut texture = image::decode_with(&input::read(file).map_err(failed)?, file, layer, &mut warnings)?;
         warnings.extend(sanitized(&mut texture));
-        Ok(Some(Self::Picture(texture, Layers::of(path), warnings)))
+        Ok(Some(Self::Picture(Box::new(texture), Layers::of(path), warnings)))
     }
 
     pub fn json(&self) -> Value {

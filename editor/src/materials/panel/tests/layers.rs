@@ -4,6 +4,9 @@ use super::*;
 use lapidary_core::image::Image;
 use lapidary_interchange::image::{Layer, LayeredImage, Metadata, read_texture, with_layer};
 
+/// The name of the row.
+const ROW: &str = "Base color map layer";
+
 /// The panel over a material whose base color is a file of these layers.
 fn harness_of(layers: Vec<Layer>, chosen: Option<&str>) -> (tempfile::TempDir, PathBuf, Harness<'static, App>) {
     let folder = tempfile::tempdir().unwrap();
@@ -35,7 +38,7 @@ fn a_layer_of_a_map_is_chosen_from_those_of_its_file() {
     for (chosen, shown, other) in [(None, "RGBA", "depth"), (Some("DEPTH"), "depth", "RGBA")] {
         let (_folder, path, mut panel) =
             harness_of(vec![colors(""), Layer::scalar("depth", "Z", vec![3.0; 2])], chosen);
-        let row = panel.get_by_role_and_label(Role::ComboBox, "Layer");
+        let row = panel.get_by_role_and_label(Role::ComboBox, ROW);
         assert_eq!(row.accesskit_node().value().as_deref(), Some(shown));
         row.click();
         panel.run();
@@ -48,5 +51,5 @@ fn a_layer_of_a_map_is_chosen_from_those_of_its_file() {
 #[test]
 fn a_picture_of_one_layer_has_no_such_row() {
     let (_folder, _, panel) = harness_of(vec![colors("")], None);
-    assert!(panel.query_by_role_and_label(Role::ComboBox, "Layer").is_none());
+    assert!(panel.query_by_role_and_label(Role::ComboBox, ROW).is_none());
 }

@@ -65,6 +65,19 @@ fn primaries_are_given_to_colors_and_not_to_values() {
 }
 
 #[test]
+fn a_given_color_space_of_a_map_of_values_is_shown() {
+    let mut harness = harness(|app| {
+        let slot = TextureSlot { color_space: ColorSpace::AcesCg, ..TextureSlot::default() };
+        app.document.materials[0].maps.set("roughness", Some(slot));
+    });
+    click(&mut harness, "Roughness map placement");
+    let row = harness.get_by_role_and_label(Role::ComboBox, "Roughness map color space");
+    assert_eq!(row.accesskit_node().value().as_deref(), Some("ACEScg"));
+    click(&mut harness, "Roughness map color space");
+    assert!(harness.query_by_label("ACES2065-1").is_none(), "negative control: others are for colors");
+}
+
+#[test]
 fn colors_of_vertices_have_a_switch_where_there_is_a_base_color() {
     let mut harness = harness(|app| app.document.materials[0].vertex_colors = true);
     click(&mut harness, "Vertex colors");
