@@ -70,7 +70,7 @@ fn compare_finds_layers_and_says_which_there_are() {
         Some(0)
     );
     let message = folder.fail("compare layers.exr plain.exr --layer indirect");
-    for word in ["indirect", "beauty", "normal", "depth", "layers.exr"] {
+    for word in ["indirect", "RGBA", "normal", "depth", "layers.exr"] {
         assert!(message.contains(word), "{message}");
     }
     assert!(folder.fail("compare a.png plain.exr --layer normal").contains("only exr files have layers"));

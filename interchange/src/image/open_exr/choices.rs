@@ -103,14 +103,20 @@ impl Layer {
             |names: &[&str]| names.iter().map(|name| self.named(name)).collect::<Option<Vec<_>>>().map(Planes::Values);
         let vectors = || [&["X", "Y", "Z"][..], &["U", "V", "W"], &["U", "V"]].into_iter().find_map(values);
         let mut others = self.channels.iter().filter(|channel| !channel.eq_ignore_ascii_case("A"));
-        let only = if let (Some(only), None) = (others.next(), others.next()) { Some(only) } else { None };
+        // Alpha alone is a coverage or a mask.
+        let only = match (others.next(), others.next()) {
+            (None, _) => self.channels.first(),
+            (only, None) => only,
+            _ => None,
+        };
         let only = || only.map(|only| Planes::Values(vec![self.full(only)]));
         self.colors().or_else(vectors).or_else(|| self.gray()).or_else(only)
     }
 
     /// Its picture, and each channel that is not in it.
     fn choices(&self) -> Vec<Choice> {
-        let picture = self.planes().map(|planes| self.choice(self.name(&planes), planes, self.named("A")));
+        let alpha = |planes: &Planes<String>| self.named("A").filter(|alpha| !planes.channels().contains(alpha));
+        let picture = self.planes().map(|planes| self.choice(self.name(&planes), planes.clone(), alpha(&planes)));
         let is_seen = |name: &String| picture.iter().flat_map(Choice::channels).any(|seen| seen == name);
         let rest = self.singles().into_iter().filter(|single| !single.channels().any(is_seen)).collect::<Vec<_>>();
         picture.into_iter().chain(rest).collect()

@@ -232,6 +232,14 @@ fn each_picture_of_a_file_is_listed_once_and_the_shown_one_first() {
 }
 
 #[test]
+fn a_layer_of_alpha_alone_is_a_mask_with_its_name() {
+    let channels = [("R", 0.1), ("G", 0.2), ("B", 0.3), ("coverage.A", 0.5), ("glow.R", 0.6), ("glow.A", 0.7)];
+    let bytes = written(vec![part(None, &channels)]);
+    assert_eq!(chosen(&bytes, "coverage"), Ok([0.5, 0.5, 0.5, 1.0]));
+    assert_eq!(chosen(&bytes, "glow"), Ok([0.6, 0.6, 0.6, 0.7]), "negative control: alpha beside another channel");
+}
+
+#[test]
 fn colours_vectors_and_single_channels_are_chosen_by_name_in_any_case() {
     let bytes = rich();
     let default = [0.1, 0.2, 0.3, 0.4];
