@@ -29,7 +29,8 @@
 //! | `brdf.0`, ... | u8 | bytes | files of BRDFs, packed: see [`Content::packed`](crate::brdf::Content::packed) |
 //!
 //! Surface sources are present for `--mode indirect`, `cuts` and `all`; the tensors `meshless_*` of
-//! `dataset/meshless.rs` for `--mode meshless` and `all`.
+//! `dataset/meshless.rs` for `--mode meshless` and `all`; the tensors `radiosity_*` of `dataset/object_bases.rs` for
+//! `--mode radiosity`.
 //!
 //! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,
 //! and the scene's lists. A file is written under a temporary name and renamed. [`Dataset::validate`] checks all contents
@@ -40,6 +41,7 @@ mod brdfs;
 mod error;
 mod header;
 mod meshless;
+mod object_bases;
 mod parts;
 mod read;
 mod reader;
@@ -54,6 +56,7 @@ mod write;
 pub use audit::BakeAudit;
 pub use error::{Damage, DatasetError};
 pub use meshless::{MeshlessReport, MeshlessSettings};
+pub use object_bases::{ObjectBasesReport, ObjectBasesSettings};
 pub use parts::{BakePart, BakeParts, PartsError};
 pub use report::{BakeReport, BakeRun, sigma_text};
 pub use settings::BakeSettings;
@@ -68,7 +71,7 @@ use crate::{
     light_tree::LightTree,
     material::NORMAL,
     mesh::Mesh,
-    meshless::MeshlessBake,
+    meshless::{MeshlessBake, ObjectBases},
     scene::{
         Scene, placed,
         pose::{ClipTime, Poses},
@@ -88,7 +91,8 @@ use std::{path::Path, sync::Arc};
 /// Version 6 added boundaries between surface sources; bakes of version 5 trace every source.
 /// Version 7 added the ground; scenes of version 6 have none.
 /// Version 8 added BRDF files, and `ward` became Ward's model of 1992; the former `ward` is now `ward-duer`.
-pub const FORMAT_VERSION: u32 = 8;
+/// Version 9 added the bases of objects.
+pub const FORMAT_VERSION: u32 = 9;
 
 /// First version whose `ward` is the model of 1992.
 const WARD_OF_1992: u32 = 8;
@@ -113,6 +117,8 @@ pub struct Dataset {
     pub indirect: Option<IndirectBake>,
     /// The meshless basis and its light transport, if baked; shared, because they are large and unaffected by poses.
     pub meshless: Option<Arc<MeshlessBake>>,
+    /// The functions of each object, if baked; shared likewise.
+    pub object_bases: Option<Arc<ObjectBases>>,
     /// Settings of the bake.
     pub settings: BakeSettings,
     /// Hash of the scene as imported, in hexadecimal.
@@ -133,6 +139,7 @@ impl Dataset {
             cuts: self.cuts.clone(),
             indirect: self.indirect.clone(),
             meshless: self.meshless.clone(),
+            object_bases: self.object_bases.clone(),
             settings: self.settings.clone(),
             scene_hash: self.scene_hash.clone(),
             report: self.report.clone(),

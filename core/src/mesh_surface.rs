@@ -52,11 +52,6 @@ impl<'a> MeshSurface<'a> {
         self.mesh.is_far_ground(triangle, self.bounds)
     }
 
-    /// Whether a point of the mesh is seen from the front of its triangle.
-    pub fn is_front(&self, at: &Surfel) -> bool {
-        self.mesh.area_vector(at.place.triangle as usize).dot(at.normal) >= 0.0
-    }
-
     /// Whether rays that arrive at a point of the mesh hit its own triangle, and not another one in the same plane or just above.
     /// Points in a cutout do not count.
     pub fn is_outermost(&self, at: &Surfel) -> bool {
@@ -66,14 +61,13 @@ impl<'a> MeshSurface<'a> {
 
     /// Object and material of a point of the mesh.
     pub fn part(&self, at: &Surfel) -> (u32, u32) {
-        let triangle = at.place.triangle as usize;
-        (self.mesh.triangle_object[triangle], self.mesh.triangle_material[triangle])
+        let Owner { object, material, .. } = self.owner(at);
+        (object, material)
     }
 
     /// The side of a part that a point of the mesh belongs to.
     pub fn owner(&self, at: &Surfel) -> Owner {
-        let (object, material) = self.part(at);
-        Owner { object, material, back: !self.is_front(at) }
+        Owner::on(self.mesh, at)
     }
 
     /// Points spread uniformly over all sides of the mesh, and the area in m² that each represents.

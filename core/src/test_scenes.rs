@@ -63,6 +63,7 @@ pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
     Dataset {
         indirect: None,
         meshless: None,
+        object_bases: None,
         two_sided: vec![false],
         vertex_valid: vec![true; 3],
         tree: LightTree::geometric(64).expect("a power of two"),

@@ -20,6 +20,7 @@ pub fn control_name(setting: Setting) -> &'static str {
         Setting::SenderLevels => "Sender levels",
         Setting::GatherRays => "Gather rays",
         Setting::Epsilon => "Epsilon",
+        Setting::Functions => "Functions",
         Setting::Resume => "Resume",
         Setting::Device
         | Setting::MaxCut
@@ -27,7 +28,9 @@ pub fn control_name(setting: Setting) -> &'static str {
         | Setting::SourceContrast
         | Setting::LargestSolidAngle
         | Setting::Viewpoint
-        | Setting::CoarseRadius => setting.name(),
+        | Setting::CoarseRadius
+        | Setting::ObjectLevels
+        | Setting::SenderLevel => setting.name(),
     }
 }
 

@@ -39,6 +39,7 @@ pub fn baked_triangle() -> Dataset {
     Dataset {
         indirect: None,
         meshless: None,
+        object_bases: None,
         settings: Preset::Normal.settings(),
         scene_hash: "abc".into(),
         report: BakeReport {

@@ -113,7 +113,7 @@ fn without_cuts(dataset: Dataset) -> Dataset {
     let mut cuts = PackedCuts::default();
     let offset = cuts.push_cut(&[0]);
     dataset.vertex_valid.iter().for_each(|_| cuts.push_vertex(offset));
-    Dataset { cuts, indirect: None, meshless: None, ..dataset }
+    Dataset { cuts, indirect: None, meshless: None, object_bases: None, ..dataset }
 }
 
 /// Merges the shares of all shards beside `output` into the dataset, equal to a single bake. Then it removes the shares. `decode`
@@ -243,6 +243,7 @@ impl<'a> Begun<'a> {
             cuts: packed.cuts,
             indirect: None,
             meshless: None,
+            object_bases: None,
             settings: settings.into_settings(),
             scene_hash: hash,
             report,

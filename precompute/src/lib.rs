@@ -8,6 +8,7 @@
 //! * For cuts over surface sources: place and cluster the sources. Trace from every bake point to the sources, and
 //!   from every source to the lights.
 //! * For the meshless basis: place its points, and compute the light transport between its functions.
+//! * For light that is solved anew after a move: place functions on each object.
 //! * Pack everything.
 //!
 //! It reports through an [`Observer`], can be cancelled at any time, and leaves a checkpoint. It gives the same bits
@@ -38,7 +39,7 @@ pub use bake::{
 pub use bake::{most_vertices, tessellation_units};
 pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError, ShardError};
 pub use meshless::meshless_bake;
-pub use object_bases::{ObjectBasesSettings, place_object_bases};
+pub use object_bases::place_object_bases;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use setting::{Naming, Setting};
 pub use shard::Shard;
@@ -49,7 +50,9 @@ pub use sources::{
 };
 pub use trial::{BasisTrial, BounceTrial, SourcesTrial, Trial};
 pub use unshadowed::unshadowed;
-pub use verify::{EnvironmentVerification, MeshlessVerification, SourcesVerification, Verification, verify};
+pub use verify::{
+    EnvironmentVerification, MeshlessVerification, ObjectBasesVerification, SourcesVerification, Verification, verify,
+};
 pub use vertices::{
     sampler::VertexSampler,
     sidedness::{Sidedness, classify},

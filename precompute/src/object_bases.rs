@@ -3,62 +3,64 @@
 //! Objects are covered whole, on every side that is seen: what other objects cover as baked may lie open after a move.
 
 use lapidary_core::{
+    dataset::ObjectBasesSettings,
     mesh::Mesh,
     mesh_surface::MeshSurface,
-    meshless::{BasisError, ObjectBases, Owner},
+    meshless::{ObjectBases, Owner},
     surfel::{GradedGrid, Surfel},
 };
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::{
+    collections::BTreeMap,
+    sync::atomic::{AtomicU64, Ordering},
+};
 
-use crate::sources::disk::DENSITY;
+use crate::{
+    errors::{BakeError, cancelled},
+    observer::{Event, Observer},
+    sources::disk::DENSITY,
+};
 
 /// Candidates for each point that has room.
 const CANDIDATES: f32 = 12.0;
 /// Factor of the radius of support relative to the distance of the points, as of the finest level of the meshless basis.
 const OVERLAP: f32 = 2.5;
 
-/// Settings of the bases.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ObjectBasesSettings {
-    /// About how many functions all levels have.
-    pub functions: u32,
-    /// Number of levels; each has about four times as many functions as the one before.
-    pub levels: usize,
-    /// The level that sends, from 0.
-    pub sender_level: usize,
-}
-
-impl Default for ObjectBasesSettings {
-    /// The levels of the paper (Table 1).
-    fn default() -> Self {
-        Self { functions: 150_000, levels: 6, sender_level: 3 }
-    }
-}
-
 /// Places the functions.
 ///
 /// # Errors
-/// [`BasisError`] for a scene without a surface.
+/// [`BakeError`] for a scene without a surface, and if the observer cancels.
 pub fn place_object_bases(
     mesh: &Mesh,
     surface: &MeshSurface,
     settings: &ObjectBasesSettings,
-) -> Result<ObjectBases, BasisError> {
+    observer: &dyn Observer,
+) -> Result<ObjectBases, BakeError> {
     let objects = triangles_of_objects(mesh);
     let area: f32 = objects.par_iter().map(|triangles| area_of(surface, triangles)).sum();
     let finest = settings.functions as f32 * 0.75;
     let finest_radius = (DENSITY * area / finest).sqrt();
     let spacing = |level: usize| finest_radius * ((settings.levels - 1 - level) as f32).exp2();
-    let of_level = |level: usize| -> Vec<(Surfel, Owner)> {
+    let done = AtomicU64::new(0);
+    let of_level = |level: usize| -> Result<Vec<(Surfel, Owner)>, BakeError> {
         let of_object = |(object, triangles): (usize, &Vec<u32>)| {
-            placed(surface, triangles, spacing(level), (object * settings.levels + level) as u64)
+            cancelled(observer)?;
+            let points = placed(surface, triangles, spacing(level), (object * settings.levels + level) as u64);
+            let done = done.fetch_add(points.len() as u64, Ordering::Relaxed) + points.len() as u64;
+            observer.event(Event::Advanced { done });
+            Ok(points)
         };
-        objects.par_iter().enumerate().flat_map_iter(of_object).collect()
+        let points = objects.par_iter().enumerate().map(of_object).collect::<Result<Vec<_>, BakeError>>()?;
+        Ok(points.concat())
     };
-    let levels: Vec<_> = (0..settings.levels).map(of_level).collect();
+    let levels = (0..settings.levels).map(of_level).collect::<Result<Vec<_>, _>>()?;
     let radii = (0..settings.levels).map(|level| OVERLAP * spacing(level)).collect();
-    ObjectBases::new(&levels, radii, settings.sender_level)
+    Ok(ObjectBases::new(&levels, radii, settings.sender_level)?)
+}
+
+/// Distance of the finest level's points in meters.
+pub fn finest_spacing(bases: &ObjectBases) -> f32 {
+    bases.radii()[bases.levels() - 1] / OVERLAP
 }
 
 fn triangles_of_objects(mesh: &Mesh) -> Vec<Vec<u32>> {

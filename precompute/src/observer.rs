@@ -29,13 +29,15 @@ pub enum Phase {
     Basis,
     /// Computing light transport between the functions.
     Transport,
+    /// Placing the functions of each object.
+    ObjectBases,
     /// Packing and writing.
     Pack,
 }
 
 impl Phase {
     /// All phases in order.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Import,
         Self::Tessellate,
         Self::Pilot,
@@ -47,6 +49,7 @@ impl Phase {
         Self::SourceEnvironment,
         Self::Basis,
         Self::Transport,
+        Self::ObjectBases,
         Self::Pack,
     ];
 
@@ -64,6 +67,7 @@ impl Phase {
             Self::SourceEnvironment => "source-environment",
             Self::Basis => "basis",
             Self::Transport => "transport",
+            Self::ObjectBases => "object-bases",
             Self::Pack => "pack",
         }
     }

@@ -45,6 +45,12 @@ pub enum Setting {
     GatherRays,
     /// Threshold of meshless links.
     Epsilon,
+    /// Number of functions of all objects.
+    Functions,
+    /// Levels of the objects' functions.
+    ObjectLevels,
+    /// The level of the objects' functions that sends light.
+    SenderLevel,
     /// Device that traces rays.
     Device,
     /// Whether to resume an interrupted bake.
@@ -75,6 +81,9 @@ impl Setting {
             Self::CoarseRadius => "coarse radius",
             Self::GatherRays => "gather rays",
             Self::Epsilon => "epsilon",
+            Self::Functions => "functions",
+            Self::ObjectLevels => "object levels",
+            Self::SenderLevel => "sender level",
             Self::Device => "device",
             Self::Resume => "resume",
         }

@@ -1,12 +1,14 @@
 //! Verification: retraces a random set of vertices and surface sources ray by ray, and compares with the stored cuts. It also
-//! recomputes the links of some meshless functions. Each part of a bake has its file.
+//! recomputes the links of some meshless functions, and looks where the functions of objects lie. Each part of a bake has its file.
 
 mod environment;
 mod meshless;
+mod object_bases;
 mod sources;
 
 pub use environment::EnvironmentVerification;
 pub use meshless::MeshlessVerification;
+pub use object_bases::ObjectBasesVerification;
 pub use sources::SourcesVerification;
 
 use crate::vertices::{points::BakePoints, sampler::bake_points, visibility::VisibilitySampler};
@@ -29,6 +31,9 @@ pub struct Verification {
     /// Results for the meshless basis, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub meshless: Option<MeshlessVerification>,
+    /// Results for the bases of objects, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object_bases: Option<ObjectBasesVerification>,
     /// Whether anything was recomputed, all cuts and links agree, and cuts are hardly worse than an exhaustive bake's.
     pub passed: bool,
 }
@@ -36,10 +41,12 @@ pub struct Verification {
 impl Verification {
     /// The result in sentences, one per line.
     pub fn text(&self) -> String {
-        let is_of_others = self.sources.source_vertices > 0 || self.meshless.is_some();
+        let is_of_others = self.sources.source_vertices > 0 || self.meshless.is_some() || self.object_bases.is_some();
         let has_environment = self.environment.vertices > 0 || !is_of_others;
         let environment = if has_environment { self.environment.text() } else { String::new() };
-        environment + &self.sources.text() + &self.meshless.as_ref().map_or(String::new(), MeshlessVerification::text)
+        let meshless = self.meshless.as_ref().map_or(String::new(), MeshlessVerification::text);
+        let object_bases = self.object_bases.as_ref().map_or(String::new(), ObjectBasesVerification::text);
+        environment + &self.sources.text() + &meshless + &object_bases
     }
 }
 
@@ -82,10 +89,15 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     again.vertices = again.random().choose_multiple(0..mesh.positions.len(), count.min(mesh.positions.len()));
     let (environment, sources) = (EnvironmentVerification::of(&again), SourcesVerification::of(&again));
     let meshless = MeshlessVerification::of(&again);
-    let functions = meshless.as_ref().map_or(0, |m| m.functions);
+    let object_bases = ObjectBasesVerification::of(&again);
+    let functions =
+        meshless.as_ref().map_or(0, |m| m.functions) + object_bases.as_ref().map_or(0, |o| o.object_functions);
     let made = environment.vertices + sources.source_vertices + sources.sources + functions;
-    let agrees = environment.agrees && sources.agrees && meshless.as_ref().is_none_or(MeshlessVerification::agrees);
-    Verification { environment, sources, meshless, passed: made > 0 && agrees }
+    let agrees = environment.agrees
+        && sources.agrees
+        && meshless.as_ref().is_none_or(MeshlessVerification::agrees)
+        && object_bases.as_ref().is_none_or(ObjectBasesVerification::agrees);
+    Verification { environment, sources, meshless, object_bases, passed: made > 0 && agrees }
 }
 
 #[cfg(test)]

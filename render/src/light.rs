@@ -11,5 +11,6 @@ pub(crate) mod local;
 pub(crate) mod mirrored_map;
 pub(crate) mod node_row;
 pub(crate) mod situation;
+pub(crate) mod sky;
 pub(crate) mod solver;
 pub(crate) mod tree_light;

@@ -2,6 +2,7 @@
 
 mod environment;
 mod meshless;
+mod object_bases;
 mod sources;
 
 use clap::Args;
@@ -54,6 +55,7 @@ bake_parts! {
     Environment: environment, environment::Environment, environment::EnvironmentOptions;
     Sources: sources, sources::Sources, sources::SourceOptions;
     Meshless: meshless, meshless::Meshless, meshless::MeshlessOptions;
+    ObjectBases: object_bases, object_bases::ObjectBases, object_bases::ObjectBasesOptions;
 }
 
 /// All parts in bake order.

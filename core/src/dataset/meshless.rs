@@ -18,14 +18,10 @@ use super::{
     error::{Damage, SurfelDamage},
     reader::Reader,
     stored::{StoredPart, is_size},
-    tensors::{Tensor, owned, tensor},
+    tensors::{Tensor, owned, surfel_tensors, tensor},
     validate::check_surfel,
 };
-use crate::{
-    meshless::{Basis, BasisError, MeshlessBake, PackedLink, Transport, TransportError},
-    surfel::{MeshPlace, Surfel},
-};
-use glam::{Vec2, Vec3};
+use crate::meshless::{Basis, BasisError, MeshlessBake, PackedLink, Transport, TransportError};
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -134,23 +130,16 @@ impl StoredPart for StoredBasis {
 /// The tensors of a meshless bake.
 fn tensors(bake: &MeshlessBake) -> Vec<Tensor<'_>> {
     let (basis, transport) = (&bake.basis, &bake.transport);
-    let (points, n) = (basis.points(), basis.len());
-    let positions: Vec<Vec3> = points.iter().map(|p| p.position).collect();
-    let normals: Vec<Vec3> = points.iter().map(|p| p.normal).collect();
-    let triangles: Vec<u32> = points.iter().map(|p| p.place.triangle).collect();
-    let barycentrics: Vec<Vec2> = points.iter().map(|p| p.place.barycentric).collect();
-    vec![
-        owned(tensor("meshless_positions", Dtype::F32, [n, 3], &positions)),
-        owned(tensor("meshless_normals", Dtype::F32, [n, 3], &normals)),
-        owned(tensor("meshless_triangles", Dtype::U32, [n], &triangles)),
-        owned(tensor("meshless_barycentrics", Dtype::F32, [n, 2], &barycentrics)),
+    let mut tensors = Vec::from(surfel_tensors("meshless", basis.points().iter().copied()));
+    tensors.extend([
         tensor("meshless_levels", Dtype::U32, [basis.levels() + 1], basis.offsets()),
         tensor("meshless_radii", Dtype::F32, [basis.levels()], basis.radii()),
         owned(tensor("meshless_sender_levels", Dtype::U32, [1], &[basis.sender_levels() as u32])),
         tensor("meshless_links", Dtype::U16, [transport.packed().len(), 4], transport.packed()),
         tensor("meshless_link_offsets", Dtype::U32, [transport.offsets().len()], transport.offsets()),
         owned(tensor("meshless_link_scale", Dtype::F32, [1], &[transport.scale()])),
-    ]
+    ]);
+    tensors
 }
 
 impl Reader<'_> {
@@ -162,7 +151,7 @@ impl Reader<'_> {
         let offsets: Vec<u32> = self.array("meshless_levels", Dtype::U32, &[], None)?;
         let radii: Vec<f32> = self.array("meshless_radii", Dtype::F32, &[], None)?;
         let sender_levels: Vec<u32> = self.array("meshless_sender_levels", Dtype::U32, &[], Some(1))?;
-        let basis = Basis::from_parts(self.functions()?, offsets, radii, sender_levels[0] as usize);
+        let basis = Basis::from_parts(self.surfels("meshless")?, offsets, radii, sender_levels[0] as usize);
         let basis = basis.map_err(|e| Damage::of_part(MeshlessDamage::Basis(e)))?;
         let links: Vec<PackedLink> = self.array("meshless_links", Dtype::U16, &[4], None)?;
         let offsets: Vec<u32> = self.array("meshless_link_offsets", Dtype::U32, &[], None)?;
@@ -170,17 +159,6 @@ impl Reader<'_> {
         let transport = Transport::from_parts([basis.len(), basis.senders().len()], scale[0], offsets, links);
         let transport = transport.map_err(|e| Damage::of_part(MeshlessDamage::Transport(e)))?;
         Ok(Some(MeshlessBake { basis, transport }))
-    }
-
-    fn functions(&self) -> Result<Vec<Surfel>, Damage> {
-        let positions: Vec<Vec3> = self.array("meshless_positions", Dtype::F32, &[3], None)?;
-        let n = Some(positions.len());
-        let normals: Vec<Vec3> = self.array("meshless_normals", Dtype::F32, &[3], n)?;
-        let of_triangle: Vec<u32> = self.array("meshless_triangles", Dtype::U32, &[], n)?;
-        let barycentrics: Vec<Vec2> = self.array("meshless_barycentrics", Dtype::F32, &[2], n)?;
-        let place = |i: usize| MeshPlace { triangle: of_triangle[i], barycentric: barycentrics[i] };
-        let point = |i: usize| Surfel { position: positions[i], normal: normals[i], place: place(i) };
-        Ok((0..positions.len()).map(point).collect())
     }
 }
 

@@ -65,6 +65,7 @@ impl Reader<'_> {
             cuts,
             indirect: None,
             meshless: None,
+            object_bases: None,
             settings: header.settings,
             scene_hash: header.scene_hash,
             report: header.report,

@@ -10,7 +10,9 @@ use super::{
 use crate::{
     cut::packed::{NODES_PER_TEXEL, PackedCuts},
     input,
+    surfel::{MeshPlace, Surfel},
 };
+use glam::{Vec2, Vec3};
 use safetensors::{
     Dtype, SafeTensorError,
     tensor::{Metadata, TensorInfo},
@@ -99,6 +101,18 @@ impl Reader<'_> {
         let texels: Vec<[u16; NODES_PER_TEXEL]> = self.array(cuts, Dtype::U32, &[4], None)?;
         let offsets = self.array(offsets, Dtype::U32, &[], Some(count))?;
         Ok(PackedCuts::unchecked(texels.into_flattened(), offsets))
+    }
+
+    /// The surface points of [`surfel_tensors`](super::tensors::surfel_tensors).
+    pub fn surfels(&self, kind: &str) -> Result<Vec<Surfel>, Damage> {
+        let positions: Vec<Vec3> = self.array(&format!("{kind}_positions"), Dtype::F32, &[3], None)?;
+        let n = Some(positions.len());
+        let normals: Vec<Vec3> = self.array(&format!("{kind}_normals"), Dtype::F32, &[3], n)?;
+        let of_triangle: Vec<u32> = self.array(&format!("{kind}_triangles"), Dtype::U32, &[], n)?;
+        let barycentrics: Vec<Vec2> = self.array(&format!("{kind}_barycentrics"), Dtype::F32, &[2], n)?;
+        let place = |i: usize| MeshPlace { triangle: of_triangle[i], barycentric: barycentrics[i] };
+        let point = |i: usize| Surfel { position: positions[i], normal: normals[i], place: place(i) };
+        Ok((0..positions.len()).map(point).collect())
     }
 
     pub fn flags(&self, name: &str, count: usize) -> Result<Vec<bool>, Damage> {

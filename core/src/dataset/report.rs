@@ -1,6 +1,6 @@
 //! The report of a bake.
 
-use super::{BakeAudit, BakeParts, IndirectReport, MeshlessReport};
+use super::{BakeAudit, BakeParts, IndirectReport, MeshlessReport, ObjectBasesReport};
 use crate::light_tree::TreeKind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -49,6 +49,9 @@ pub struct BakeReport {
     pub indirect: Option<IndirectReport>,
     /// Report of the meshless basis, if baked.
     pub meshless: Option<MeshlessReport>,
+    /// Report of the bases of objects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub object_bases: Option<ObjectBasesReport>,
     /// Duration and memory. A dataset omits it, so equal bakes are equal files; datasets of earlier versions have it.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub run: Option<BakeRun>,

@@ -1,6 +1,6 @@
 //! Settings that determine the result of a bake.
 
-use super::{BakeParts, IndirectSettings, MeshlessSettings};
+use super::{BakeParts, IndirectSettings, MeshlessSettings, ObjectBasesSettings};
 use crate::{cut::CutCriterion, ground::Ground, light_tree::TreeKind, shot::Shot};
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,9 @@ pub struct BakeSettings {
     /// Settings of the meshless basis, if baked.
     #[serde(default)]
     pub meshless: MeshlessSettings,
+    /// Settings of the bases of objects, if baked.
+    #[serde(default)]
+    pub object_bases: ObjectBasesSettings,
 }
 
 impl Default for BakeSettings {
@@ -65,6 +68,7 @@ impl Default for BakeSettings {
             mode: BakeParts::default(),
             indirect: IndirectSettings::default(),
             meshless: MeshlessSettings::default(),
+            object_bases: ObjectBasesSettings::default(),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::{
     error::{Damage, SurfelDamage},
     reader::Reader,
     stored::{StoredPart, is_size},
-    tensors::{Tensor, cut_tensors, owned, tensor},
+    tensors::{Tensor, cut_tensors, owned, surfel_tensors, tensor},
     validate::{check_cuts, check_surfel},
 };
 use crate::{
@@ -14,9 +14,9 @@ use crate::{
     light_tree::height_of,
     ray::is_number_per_probe,
     sources::{IndirectBake, Source},
-    surfel::{MeshPlace, Surfel},
+    surfel::Surfel,
 };
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -132,21 +132,13 @@ impl StoredPart for StoredSources {
 /// The tensors of an indirect bake.
 fn tensors(bake: &IndirectBake) -> Vec<Tensor<'_>> {
     let n = bake.sources.len();
-    let surfels = || bake.sources.iter().map(|s| s.surfel);
-    let positions: Vec<Vec3> = surfels().map(|s| s.position).collect();
-    let normals: Vec<Vec3> = surfels().map(|s| s.normal).collect();
     let areas: Vec<f32> = bake.sources.iter().map(|s| s.area).collect();
     let spacings: Vec<f32> = bake.sources.iter().map(|s| s.spacing).collect();
-    let triangles: Vec<u32> = surfels().map(|s| s.place.triangle).collect();
-    let barycentrics: Vec<Vec2> = surfels().map(|s| s.place.barycentric).collect();
-    let mut tensors = vec![
-        owned(tensor("source_positions", Dtype::F32, [n, 3], &positions)),
-        owned(tensor("source_normals", Dtype::F32, [n, 3], &normals)),
+    let mut tensors = Vec::from(surfel_tensors("source", bake.sources.iter().map(|s| s.surfel)));
+    tensors.extend([
         owned(tensor("source_areas", Dtype::F32, [n], &areas)),
         owned(tensor("source_spacings", Dtype::F32, [n], &spacings)),
-        owned(tensor("source_triangles", Dtype::U32, [n], &triangles)),
-        owned(tensor("source_barycentrics", Dtype::F32, [n, 2], &barycentrics)),
-    ];
+    ]);
     tensors.extend(cut_tensors(SOURCE_CUTS, &bake.cuts));
     tensors.extend(cut_tensors(SOURCE_ENVIRONMENT_CUTS, &bake.environment_cuts));
     tensors
@@ -165,22 +157,15 @@ impl Reader<'_> {
     }
 
     fn sources(&self, reported: f32) -> Result<Vec<Source>, Damage> {
-        let positions: Vec<Vec3> = self.array("source_positions", Dtype::F32, &[3], None)?;
-        let n = Some(positions.len());
-        let normals: Vec<Vec3> = self.array("source_normals", Dtype::F32, &[3], n)?;
+        let surfels = self.surfels("source")?;
+        let n = Some(surfels.len());
         let areas: Vec<f32> = self.array("source_areas", Dtype::F32, &[], n)?;
         let spacings = match self.has("source_spacings") {
             true => self.array("source_spacings", Dtype::F32, &[], n)?,
-            false => vec![even_spacing(reported, &areas); positions.len()],
+            false => vec![even_spacing(reported, &areas); surfels.len()],
         };
-        let of_triangle: Vec<u32> = self.array("source_triangles", Dtype::U32, &[], n)?;
-        let barycentrics: Vec<Vec2> = self.array("source_barycentrics", Dtype::F32, &[2], n)?;
-        let source = |i: usize| {
-            let place = MeshPlace { triangle: of_triangle[i], barycentric: barycentrics[i] };
-            let surfel = Surfel { position: positions[i], normal: normals[i], place };
-            Source { surfel, area: areas[i], spacing: spacings[i] }
-        };
-        Ok((0..positions.len()).map(source).collect())
+        let source = |(i, surfel): (usize, Surfel)| Source { surfel, area: areas[i], spacing: spacings[i] };
+        Ok(surfels.into_iter().enumerate().map(source).collect())
     }
 }
 

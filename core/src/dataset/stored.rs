@@ -1,8 +1,8 @@
 //! Data of each bake part in a dataset: its settings, its tensors, and their checks.
 
 use super::{
-    Dataset, error::Damage, meshless::StoredBasis, parts::BakePart, reader::Reader, sources::StoredSources,
-    tensors::Tensor,
+    Dataset, error::Damage, meshless::StoredBasis, object_bases::StoredObjectBases, parts::BakePart, reader::Reader,
+    sources::StoredSources, tensors::Tensor,
 };
 use crate::{ray::is_number_per_probe, shot::Shot};
 
@@ -37,6 +37,7 @@ pub(super) fn stored(part: BakePart) -> &'static dyn StoredPart {
         BakePart::Environment => &StoredEnvironment,
         BakePart::Sources => &StoredSources,
         BakePart::Meshless => &StoredBasis,
+        BakePart::ObjectBases => &StoredObjectBases,
     }
 }
 

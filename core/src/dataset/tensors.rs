@@ -1,6 +1,7 @@
 //! Named arrays of a file for writing. `reader.rs` reads them.
 
-use crate::cut::packed::PackedCuts;
+use crate::{cut::packed::PackedCuts, surfel::Surfel};
+use glam::{Vec2, Vec3};
 use safetensors::{
     Dtype, SafeTensorError,
     tensor::{Metadata, TensorInfo},
@@ -41,6 +42,21 @@ pub(super) fn cut_tensors<'a>([texels, offsets]: [&str; 2], cuts: &'a PackedCuts
         Cow::Owned(nodes) => owned(tensor(texels, Dtype::U32, shape, &nodes)),
     };
     [nodes, tensor(offsets, Dtype::U32, [cuts.offsets().len()], cuts.offsets())]
+}
+
+/// Positions, normals, triangles and barycentrics of surface points, by names that begin with `kind`.
+pub(super) fn surfel_tensors(kind: &str, points: impl Iterator<Item = Surfel> + Clone) -> [Tensor<'static>; 4] {
+    let positions: Vec<Vec3> = points.clone().map(|p| p.position).collect();
+    let normals: Vec<Vec3> = points.clone().map(|p| p.normal).collect();
+    let triangles: Vec<u32> = points.clone().map(|p| p.place.triangle).collect();
+    let barycentrics: Vec<Vec2> = points.map(|p| p.place.barycentric).collect();
+    let n = positions.len();
+    [
+        owned(tensor(&format!("{kind}_positions"), Dtype::F32, [n, 3], &positions)),
+        owned(tensor(&format!("{kind}_normals"), Dtype::F32, [n, 3], &normals)),
+        owned(tensor(&format!("{kind}_triangles"), Dtype::U32, [n], &triangles)),
+        owned(tensor(&format!("{kind}_barycentrics"), Dtype::F32, [n, 2], &barycentrics)),
+    ]
 }
 
 /// Checksum of a tensor's bytes, in hexadecimal.

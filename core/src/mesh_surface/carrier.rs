@@ -63,13 +63,12 @@ impl Carrier for CarryingMesh<'_> {
     }
 
     fn as_baked(&self, at: &Surfel) -> Surfel {
-        self.as_baked.surfel(at.place.triangle, at.place.barycentric, !self.now.is_front(at))
+        self.as_baked.surfel(at.place.triangle, at.place.barycentric, self.owner(at).back)
     }
 
     fn now(&self, as_baked: &Surfel) -> Surfel {
-        let triangle = as_baked.place.triangle;
-        let back = self.as_baked.area_vector(triangle as usize).dot(as_baked.normal) < 0.0;
-        self.now.mesh.surfel(triangle, as_baked.place.barycentric, back)
+        let back = Owner::on(self.as_baked, as_baked).back;
+        self.now.mesh.surfel(as_baked.place.triangle, as_baked.place.barycentric, back)
     }
 
     fn shading_normal(&self, at: &Surfel) -> Vec3 {

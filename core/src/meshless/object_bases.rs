@@ -5,13 +5,14 @@
 
 use super::grid::FunctionGrid;
 use crate::{
+    mesh::Mesh,
     meshless::BasisError,
     sparse::SparseRows,
     surfel::{Surface, Surfel},
     transport::Coefficient,
 };
 use glam::Vec3;
-use std::ops::Range;
+use std::{fmt, ops::Range};
 
 /// Where a ray ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +54,18 @@ pub struct Owner {
     pub back: bool,
 }
 
+impl Owner {
+    /// The owner of a point of a mesh.
+    pub fn on(mesh: &Mesh, at: &Surfel) -> Self {
+        let triangle = at.place.triangle as usize;
+        Self {
+            object: mesh.triangle_object[triangle],
+            material: mesh.triangle_material[triangle],
+            back: mesh.area_vector(triangle).dot(at.normal) < 0.0,
+        }
+    }
+}
+
 /// The functions of all objects, level by level, and by object within a level.
 #[derive(Clone)]
 pub struct ObjectBases {
@@ -68,6 +81,14 @@ pub struct ObjectBases {
     parents: SparseRows,
 }
 
+impl fmt::Debug for ObjectBases {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { offsets, radii, sender_level, .. } = self;
+        let mut all = f.debug_struct("ObjectBases");
+        all.field("offsets", offsets).field("radii", radii).field("sender_level", sender_level).finish_non_exhaustive()
+    }
+}
+
 impl ObjectBases {
     /// Bases of these levels, coarsest first. The points of a level are sorted by their owner's object. Light is sent at
     /// `sender_level`.
@@ -75,16 +96,36 @@ impl ObjectBases {
     /// # Errors
     /// [`BasisError`] for numbers that contradict each other.
     pub fn new(levels: &[Vec<(Surfel, Owner)>], radii: Vec<f32>, sender_level: usize) -> Result<Self, BasisError> {
-        let count = levels.iter().map(Vec::len).sum();
-        if levels.is_empty() || levels.len() != radii.len() || levels.len() > super::MOST_LEVELS {
-            return Err(BasisError::Levels { points: count });
-        }
-        if sender_level >= levels.len() {
-            return Err(BasisError::SenderLevels { sender_levels: sender_level + 1, levels: levels.len() });
-        }
         let mut offsets = vec![0];
         levels.iter().for_each(|level| offsets.push(offsets[offsets.len() - 1] + level.len() as u32));
-        let (points, owners): (Vec<Surfel>, Vec<Owner>) = levels.iter().flatten().copied().unzip();
+        let (points, owners) = levels.iter().flatten().copied().unzip();
+        Self::from_parts(points, owners, offsets, radii, sender_level)
+    }
+
+    /// The bases of stored points with their owners, offsets of levels (with the end of the last) and radii.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_parts(
+        points: Vec<Surfel>,
+        owners: Vec<Owner>,
+        offsets: Vec<u32>,
+        radii: Vec<f32>,
+        sender_level: usize,
+    ) -> Result<Self, BasisError> {
+        let (count, levels) = (points.len(), radii.len());
+        let is_whole = offsets.first() == Some(&0)
+            && offsets.last().is_some_and(|&end| end as usize == count)
+            && offsets.is_sorted()
+            && offsets.len() == levels + 1
+            && (1..=super::MOST_LEVELS).contains(&levels);
+        let are_sorted = |ends: &[u32]| owners[ends[0] as usize..ends[1] as usize].is_sorted_by_key(|o| o.object);
+        if !is_whole || owners.len() != count || !offsets.windows(2).all(are_sorted) {
+            return Err(BasisError::Levels { points: count });
+        }
+        if sender_level >= levels {
+            return Err(BasisError::SenderLevels { sender_levels: sender_level + 1, levels });
+        }
         super::basis::check_points(&points)?;
         super::basis::check_radii(&radii)?;
         let grid = grid(&points, &owners, &offsets, &radii);
@@ -115,6 +156,11 @@ impl ObjectBases {
     /// The functions of a level.
     pub fn level(&self, level: usize) -> Range<usize> {
         self.offsets[level] as usize..self.offsets[level + 1] as usize
+    }
+
+    /// First function of each level, and the end of the last.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
     }
 
     /// The level of a function.

@@ -9,6 +9,7 @@ use super::{
     object_bases::{Carrier, ObjectBases, RayEnd},
 };
 use crate::{
+    bounds::Bounds,
     gather_table::{GatherHit, GatherTable, Moved, RayFan},
     sparse::SparseRows,
     surfel::Surfel,
@@ -60,6 +61,9 @@ pub struct Radiosity {
     tree: FunctionTree,
     fan: RayFan,
     settings: RadiositySettings,
+    /// Whether each function is covered, so that light cannot reach it: it takes the light of the open functions around it. Empty
+    /// before the first look.
+    covered: Vec<bool>,
     /// For each sender: itself and the next finer functions of the same owner around it, as a mean.
     around: SparseRows,
     table: GatherTable,
@@ -115,6 +119,7 @@ impl Radiosity {
             fan: RayFan::new(settings.rays),
             around: around_senders(&bases),
             table: GatherTable::new(bases.len()),
+            covered: Vec::new(),
             settings,
             bases,
         }
@@ -130,12 +135,20 @@ impl Radiosity {
         &self.table
     }
 
+    /// The points of the functions where they are now.
+    pub fn placed_points(&self, surface: &dyn Carrier) -> Vec<Surfel> {
+        self.bases.points().par_iter().map(|point| surface.now(point)).collect()
+    }
+
     /// Direct light, of which nothing is sent yet.
     pub fn begin(&mut self, surface: &dyn Carrier, lit: &LitFunctions) -> RadiosityLight {
         let functions = self.bases.len();
+        if self.covered.is_empty() {
+            self.covered = (0..functions as u32).into_par_iter().map(|f| self.is_covered(surface, f)).collect();
+        }
         let mut light = RadiosityLight {
             total: vec![Mat3A::ZERO; functions],
-            unsent: lit.direct.to_vec(),
+            unsent: self.filled(lit.direct),
             mean_irradiance: Vec::new(),
             gathers: 0,
         };
@@ -159,6 +172,29 @@ impl Radiosity {
         let bounces = light.mean_irradiance.len() as u32 - 1;
         let [first, last] = [0, light.mean_irradiance.len() - 1].map(|i| light.mean_irradiance[i].max_element());
         bounces < self.settings.bounces && last > self.settings.least * first
+    }
+
+    /// Values of open functions, from which covered ones take theirs, level by level.
+    fn filled(&self, values: &[Vec3]) -> Vec<Vec3> {
+        let mut filled = values.to_vec();
+        for function in (0..filled.len()).filter(|&function| self.covered[function]) {
+            filled[function] = self.bases.parents().product(function, &filled);
+        }
+        filled
+    }
+
+    /// Whether a function sees nothing that sends light, beyond the distance that the finest level can tell apart.
+    fn is_covered(&self, surface: &dyn Carrier, function: u32) -> bool {
+        let radii = self.bases.radii();
+        let (fan, reach) = (self.placed(surface, function), radii[radii.len() - 1]);
+        let step = (self.fan.directions().len() / 8).max(1);
+        let eight = std::array::from_fn(|i| fan.frame * self.fan.directions()[i * step]);
+        let is_near = |end: &RayEnd| match end {
+            RayEnd::Sky => false,
+            RayEnd::Dark(_) => true,
+            RayEnd::Surface(at) => at.position.distance(fan.origin) < reach,
+        };
+        surface.ends(fan.origin, &[eight]).as_flattened().iter().all(is_near)
     }
 
     /// Sends radiance of the functions, and adds what arrives to what is not sent yet.
@@ -200,10 +236,12 @@ impl Radiosity {
         for level in 0..self.bases.levels() {
             let range = self.bases.level(level);
             let parents = self.bases.parents();
-            // Where no parent reaches, only rays tell.
+            // Where no parent reaches or knows, only rays tell.
+            let tells_little = |parent: usize| gathers[parent] || self.covered[parent];
             let wants = |function: usize| {
                 let row = parents.row(function);
-                row.is_empty() || row.iter().any(|(parent, _)| gathers[*parent as usize])
+                !self.covered[function]
+                    && (row.is_empty() || row.iter().any(|(parent, _)| tells_little(*parent as usize)))
             };
             let active: Vec<u32> = range.clone().filter(|&f| wants(f)).map(|f| f as u32).collect();
             self.trace(surface, &active);
@@ -274,14 +312,16 @@ impl Radiosity {
         sent.gathered(&self.fan, self.placed(surface, function).frame, hits, first_sender)
     }
 
-    /// Traces again what a move of objects changes, by eights as they were traced first. `surface` is the moved one. Returns the number
-    /// of rays.
+    /// Traces again what a move of objects changes, by eights as they were traced first. `surface` is the moved one, `boxes` are around
+    /// the moved objects now, and `left` are those that they left. Returns the number of rays.
     pub fn follow(
         &mut self,
         surface: &dyn Carrier,
         is_moved: &(dyn Fn(u32) -> bool + Sync),
-        boxes: &[crate::bounds::Bounds],
+        boxes: &[Bounds],
+        left: &[Bounds],
     ) -> u64 {
+        self.look_again(surface, is_moved, &[boxes, left].concat());
         let moved = Moved { object_of: &|sender| self.bases.owners()[sender as usize].object, is_moved, boxes };
         let receivers: Vec<u32> = self.table.receivers().collect();
         let renewed: Vec<(u32, Vec<(usize, [GatherHit; 8])>)> =
@@ -293,6 +333,19 @@ impl Radiosity {
             eights.into_iter().for_each(|(first, hits)| row[first..first + 8].copy_from_slice(&hits));
         }
         rays
+    }
+
+    /// Looks again whether functions are covered, where a move can change it.
+    fn look_again(&mut self, surface: &dyn Carrier, is_moved: &(dyn Fn(u32) -> bool + Sync), boxes: &[Bounds]) {
+        let reach = self.bases.radii()[self.bases.levels() - 1] + surface.offset();
+        let boxes: Vec<Bounds> = boxes.iter().map(|b| b.grown(reach)).collect();
+        let owners = self.bases.owners();
+        let again = |(function, &known): (usize, &bool)| {
+            let place = || surface.now(&self.bases.points()[function]).position;
+            let changes = is_moved(owners[function].object) || boxes.iter().any(|b| b.contains(place()));
+            if changes { self.is_covered(surface, function as u32) } else { known }
+        };
+        self.covered = self.covered.par_iter().enumerate().map(again).collect();
     }
 
     /// The eights of a function's rays that a move changes, by their first ray.

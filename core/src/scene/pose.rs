@@ -16,6 +16,7 @@ pub use similarity::Similarity;
 use crate::{
     bounds::Bounds,
     mesh::{Mesh, MeshError, check_extent},
+    scene::Scene,
 };
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,18 @@ use std::{
 
 /// Largest scale; its inverse is the smallest.
 pub const MOST_SCALE: f32 = 1e4;
+
+/// Most objects in a scene whose objects are posed. Each has trees and grids of its own, and many loops visit all of them.
+pub const MOST_OBJECTS: usize = 65_536;
+
+/// Checks that a scene's objects can be posed one by one.
+///
+/// # Errors
+/// More than [`MOST_OBJECTS`].
+pub fn check_objects(scene: &Scene) -> Result<(), MeshError> {
+    let (found, most) = (scene.objects.len(), MOST_OBJECTS);
+    if found <= most { Ok(()) } else { Err(MeshError::TooManyObjects { found, most }) }
+}
 
 /// Pose of an object relative to the bake.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,6 +2,7 @@
 
 mod environment;
 mod meshless;
+mod object_bases;
 mod sources;
 
 use super::panel::{Speed, mode::name as mode_name};
@@ -61,6 +62,7 @@ pub fn of(part: BakePart) -> &'static dyn PartOfPanel {
         BakePart::Environment => &environment::Environment,
         BakePart::Sources => &sources::Sources,
         BakePart::Meshless => &meshless::Meshless,
+        BakePart::ObjectBases => &object_bases::ObjectBases,
     }
 }
 
@@ -92,6 +94,7 @@ pub fn described(settings: &BakeSettings) -> Vec<Row> {
         mode,
         indirect: _,
         meshless: _,
+        object_bases: _,
     } = settings;
     let mut rows = of(BakePart::Environment).described(settings);
     rows.extend([

@@ -2,6 +2,7 @@
 
 mod environment;
 mod meshless;
+mod object_bases;
 mod sources;
 
 use super::{clock::Clock, phases::bounces::Bouncing};
@@ -56,6 +57,7 @@ pub fn part(part: BakePart) -> &'static dyn PartBake {
         BakePart::Environment => &environment::EnvironmentBake,
         BakePart::Sources => &sources::SourcesBake,
         BakePart::Meshless => &meshless::BasisBake,
+        BakePart::ObjectBases => &object_bases::ObjectBasesBake,
     }
 }
 

@@ -8,6 +8,7 @@ pub mod fit;
 pub mod geometry;
 pub mod light_tree;
 mod meshless;
+mod object_bases;
 pub mod pack;
 pub mod point_cuts;
 mod sources;

@@ -56,6 +56,7 @@ impl Geometry {
             cuts: packed.cuts,
             indirect: None,
             meshless: None,
+            object_bases: None,
             settings: settings.into_settings(),
             scene_hash: String::new(),
             report,

@@ -1,7 +1,10 @@
 //! Light solved anew, against known answers.
 
 use super::*;
-use crate::test_scenes::{cuboid, floor, room, scene_of};
+use crate::{
+    observer::Silent,
+    test_scenes::{cuboid, floor, room, scene_of},
+};
 use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
@@ -58,7 +61,7 @@ impl Stage {
         let mesh = &self.as_baked.mesh;
         let surface = MeshSurface::new(mesh, &self.rays, &self.two_sided, BLACK);
         let settings = ObjectBasesSettings { functions, levels: 4, sender_level: 2 };
-        place_object_bases(mesh, &surface, &settings).unwrap()
+        place_object_bases(mesh, &surface, &settings, &Silent).unwrap()
     }
 
     /// The box around an object now.
@@ -216,18 +219,18 @@ fn after_a_move_a_partial_solve_is_a_whole_one_and_the_way_back_leads_back() {
         solved(&mut solver, stage, &values.lit()).total
     };
     let mut solver = Radiosity::new(bases.clone(), settings(3));
-    let mut after = |stage: &Stage, boxes: &[Bounds]| {
-        let rays = solver.follow(&stage.surface(), &|object| object == 1, boxes);
+    let mut after = |stage: &Stage, boxes: &[Bounds], left: &[Bounds]| {
+        let rays = solver.follow(&stage.surface(), &|object| object == 1, boxes, left);
         (solved(&mut solver, stage, &values.lit()).total, rays, 8 * solver.table().bytes() / 64)
     };
-    let (before, ..) = after(&stage, &[]);
+    let (before, ..) = after(&stage, &[], &[]);
     assert!(before == whole(&stage));
-    let (there, rays, kept) = after(&moved, &[moved.bounds(1)]);
+    let (there, rays, kept) = after(&moved, &[moved.bounds(1)], &[stage.bounds(1)]);
     assert!(there == whole(&moved) && there != before);
     assert!(rays > 0 && 2 * rays < kept, "{rays} of {kept}");
-    let (back, ..) = after(&stage, &[stage.bounds(1)]);
+    let (back, ..) = after(&stage, &[stage.bounds(1)], &[moved.bounds(1)]);
     assert!(back == before);
-    let (forgotten, ..) = after(&moved, &[]);
+    let (forgotten, ..) = after(&moved, &[], &[stage.bounds(1)]);
     assert!(forgotten != there, "negative control: the new box is forgotten");
 }
 

@@ -196,7 +196,7 @@ impl View {
         for (direction, _) in self.seen.iter().step_by(RAYS_PER_PARTICLE) {
             hits.extend(particle_hits(surface, place, *direction, MOST_HITS, &mut rng).skip(1));
         }
-        let fronts = hits.iter().filter(|at| surface.is_front(at)).count();
+        let fronts = hits.iter().filter(|at| !surface.owner(at).back).count();
         Reached {
             cells: hits.iter().map(|at| cell(at, inverse_cell)).collect::<HashSet<_>>().len(),
             parts: hits.iter().map(|at| surface.part(at)).collect::<HashSet<_>>().len(),

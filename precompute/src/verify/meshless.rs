@@ -94,9 +94,8 @@ fn agree(made: &[(u32, Vec3)], stored: &[(u32, Vec3)], scale: f32) -> bool {
 /// of the scene's size.
 fn compare_light(bake: &MeshlessBake, surface: &MeshSurface, random: &mut fastrand::Rng) -> Vec<(f32, f32)> {
     let (basis, levels) = (&bake.basis, bake.basis.levels());
-    let wave = Vec3::new(1.0, 0.7, 0.4) * (TAU / surface.bounds().diagonal());
-    let radiance = |at: Vec3| 1.0 + 0.9 * at.dot(wave).cos();
-    let sent: Vec<Vec3> = basis.sender_points().iter().map(|p| Vec3::splat(radiance(p.position))).collect();
+    let radiance = smooth_light(surface);
+    let sent: Vec<Vec3> = basis.sender_points().iter().map(|p| Vec3::splat(radiance(p))).collect();
     let sent = Projection::new(basis, basis.sender_levels()).pull_push(&sent);
     let received = bake.transport.apply(&sent, 0.0, 0..basis.len());
     let seeds: Vec<(usize, u64)> =
@@ -109,12 +108,19 @@ fn compare_light(bake: &MeshlessBake, surface: &MeshSurface, random: &mut fastra
     seeds.par_iter().map(pair).collect()
 }
 
-fn by_rays(surface: &MeshSurface, at: &Surfel, radiance: &(impl Fn(Vec3) -> f32 + Sync), seed: u64) -> f32 {
+/// Radiance that is a wave of the scene's size.
+pub(super) fn smooth_light(surface: &MeshSurface) -> impl Fn(&Surfel) -> f32 + Sync + use<> {
+    let wave = Vec3::new(1.0, 0.7, 0.4) * (TAU / surface.bounds().diagonal());
+    move |at| 1.0 + 0.9 * at.position.dot(wave).cos()
+}
+
+/// Irradiance at a point by rays.
+pub(super) fn by_rays(surface: &MeshSurface, at: &Surfel, radiance: impl Fn(&Surfel) -> f32, seed: u64) -> f32 {
     let (frame, origin) = (frame_around(at.normal), at.position + at.normal * surface.offset());
     let mut random = fastrand::Rng::with_seed(!seed);
     let ray = |i: usize| {
         let direction = frame * cosine_direction((i as f32 + random.f32()) / RAYS as f32, random.f32());
-        surface.first_hit(origin, direction).map_or(0.0, |hit| radiance(hit.position))
+        surface.first_hit(origin, direction).map_or(0.0, |hit| radiance(&hit))
     };
     (0..RAYS).map(ray).sum::<f32>() * (PI / RAYS as f32)
 }

@@ -7,6 +7,7 @@ mod irradiance;
 mod light_groups;
 mod lit_points;
 pub(crate) mod meshless;
+mod radiosity;
 mod source_parts;
 
 use crate::{
@@ -24,6 +25,7 @@ use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
 pub(crate) use lit_points::LitPoints;
 pub use meshless::{MeshlessRig, functions::MeshlessLight};
+pub use radiosity::RadiosityRig;
 
 /// Samples of an area light along each of its sides, at each part of a source.
 const AREA_SAMPLES: u32 = 2;

@@ -10,7 +10,6 @@ mod cuts;
 pub(crate) mod detail;
 mod gpu_sight;
 pub(crate) mod seen;
-mod sky;
 mod vertices;
 
 use crate::{
@@ -19,6 +18,7 @@ use crate::{
     light::{
         bounce::LitPoints,
         situation::{Changes, Relight, Situation},
+        sky::SkyGrid,
     },
 };
 use covered::{Covered, Open};
@@ -29,12 +29,8 @@ use lapidary_core::{
     scene::{Mesh, pose::Poses},
 };
 use seen::{LeafSight, sight};
-use sky::SkyGrid;
 use std::{collections::BTreeSet, ops::Range, sync::Arc};
 use vertices::VertexLeaves;
-
-/// Most objects in a posed scene. Each has a tree of surfels, and every surfel visits the root of each tree.
-pub const MOST_OBJECTS: usize = 65_536;
 
 /// Samples of an area light along each of its sides, at each leaf.
 const AREA_SAMPLES: u32 = 2;
@@ -52,6 +48,11 @@ pub struct Sides {
 }
 
 impl Sides {
+    /// No light at some vertices.
+    pub fn dark(vertices: usize) -> Self {
+        Self { front: vec![Vec3::ZERO; vertices], back: vec![Vec3::ZERO; vertices] }
+    }
+
     /// Value at a point of a triangle, by its vertices' weights.
     #[inline]
     pub fn at(&self, vertices: [u32; 3], weights: [f32; 3], from_behind: bool) -> Vec3 {
@@ -199,6 +200,18 @@ impl PoseRig {
             uncovered: combined(&posed_sky, baked_sky, rest),
             bounce: combined(&posed_bounce, baked_bounce, more),
         }
+    }
+}
+
+impl PosedLight {
+    /// The same with other bounced light of moved vertices, and none added to that of the others: they have it already.
+    #[must_use]
+    pub fn with_bounce_of_moved(&self, all: &Sides) -> Self {
+        let of_moved = |side: &[Vec3]| {
+            side.iter().zip(&*self.is_moved).map(|(&all, &moved)| if moved { all } else { Vec3::ZERO }).collect()
+        };
+        let bounce = Sides { front: of_moved(&all.front), back: of_moved(&all.back) };
+        Self { bounce, ..self.clone() }
     }
 }
 

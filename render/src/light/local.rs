@@ -5,7 +5,7 @@ use crate::{
     light::{
         bounce::SourceLighting,
         components::Components,
-        implicit::PosedLight,
+        implicit::{PosedLight, Sides},
         situation::{Changes, Situation},
         solver::{BounceLight, BounceSolver, rigs::Rigs, solutions::Solution},
     },
@@ -35,6 +35,16 @@ impl LocalLighting {
     pub(crate) fn shown_lights(&self) -> Vec<Light> {
         let local = self.lights.iter().filter(|_| self.components.direct);
         local.chain(self.suns.iter().filter(|_| self.components.environment)).cloned().collect()
+    }
+
+    /// The same with changes of the light by posed objects. A solution that follows poses has their bounces already.
+    pub(crate) fn with_posed(self, posed: Option<Arc<PosedLight>>, solution: Solution) -> Self {
+        let follows = |posed: Arc<PosedLight>| match &self.bounce {
+            Some(BounceLight::Vertices(all)) => posed.with_bounce_of_moved(all).into(),
+            _ => posed.with_bounce_of_moved(&Sides::dark(posed.is_moved.len())).into(),
+        };
+        let posed = if solution.follows_poses() { posed.map(follows) } else { posed };
+        Self { posed, ..self }
     }
 
     /// Bounced light if it is shown.

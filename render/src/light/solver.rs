@@ -11,6 +11,7 @@ mod cuts_over_meshless;
 #[cfg(test)]
 mod even;
 mod meshless;
+mod radiosity;
 pub(crate) mod rigs;
 pub(crate) mod solutions;
 

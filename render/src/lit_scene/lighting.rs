@@ -107,9 +107,10 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn light_locally(&mut self, look: &Look, redo: Redo) -> Result<LocalLighting, BackendError> {
         let (situation, solution) = (&self.situation, look.shown_solution());
         self.is_unsolved = look.components.indirect && self.local_rig.advance(situation, solution);
-        let mut local = self.local_rig.lighting(situation, look.components, solution);
         let rig = self.pose_rigs.used().filter(|_| !situation.poses.is_empty());
-        local.posed = rig.map(|rig| rig.lit(situation).light(solution.bounces()).into());
+        let bounces = if solution.follows_poses() { 0 } else { solution.bounces() };
+        let posed = rig.map(|rig| rig.lit(situation).light(bounces).into());
+        let local = self.local_rig.lighting(situation, look.components, solution).with_posed(posed, solution);
         let Changes { poses, environment, lights, .. } = redo.light;
         if poses || environment || lights || redo.shown || local.bounce.is_some() || local.posed.is_some() {
             let remarks = self.backend.set_local_lighting(&local)?;
@@ -124,7 +125,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let (solution, posed) = (lit.look.shown_solution(), lit.local.posed.take());
         self.is_unsolved = self.local_rig.advance(&self.situation, solution);
         let local = self.local_rig.lighting(&self.situation, lit.look.components, solution);
-        lit.local = LocalLighting { posed, ..local };
+        lit.local = local.with_posed(posed, solution);
         let remarks = self.backend.set_local_lighting(&lit.local)?;
         self.remarks.replace(2, remarks);
         self.finished = false;

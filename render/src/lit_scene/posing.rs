@@ -1,8 +1,11 @@
 //! Poses of the objects in a lit scene.
 
 use super::{LitScene, pose_rigs::PoseRigs};
-use crate::{Backend, BackendError, Baked, Posing, light::implicit};
-use lapidary_core::scene::{MeshError, pose::Poses};
+use crate::{Backend, BackendError, Baked, Posing};
+use lapidary_core::scene::{
+    MeshError,
+    pose::{Poses, check_objects},
+};
 
 impl<B: Backend + ?Sized> LitScene<B> {
     /// Whether the look poses objects differently, or needs another detail.
@@ -38,7 +41,6 @@ impl<B: Backend + ?Sized> LitScene<B> {
     }
 
     pub(super) fn check_objects(&self) -> Result<(), MeshError> {
-        let (found, most) = (self.baked.dataset.scene.objects.len(), implicit::MOST_OBJECTS);
-        if found <= most { Ok(()) } else { Err(MeshError::TooManyObjects { found, most }) }
+        check_objects(&self.baked.dataset.scene)
     }
 }

@@ -26,6 +26,9 @@ pub fn option_name(setting: Setting) -> &'static str {
         Setting::CoarseRadius => "--coarse-radius",
         Setting::GatherRays => "--gather-rays",
         Setting::Epsilon => "--epsilon",
+        Setting::Functions => "--functions",
+        Setting::ObjectLevels => "--object-levels",
+        Setting::SenderLevel => "--sender-level",
         Setting::Device => "--device",
         Setting::Resume => "--resume",
     }

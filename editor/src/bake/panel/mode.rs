@@ -9,7 +9,7 @@ use egui::{RichText, Ui};
 use lapidary_core::dataset::{BakePart, BakeParts, BakeSettings};
 
 /// Bake types with name and effect. The list offers the first [`LISTED`].
-const TYPES: [(BakeParts, &str, &str); 7] = [
+const TYPES: [(BakeParts, &str, &str); 9] = [
     (BakeParts::ENVIRONMENT, "Environment", "Environment light without bounces. For objects lit from outside."),
     (
         BakeParts::INDIRECT,
@@ -32,6 +32,16 @@ const TYPES: [(BakeParts, &str, &str); 7] = [
         "Environment light, and many bounces: the first is sharp in glossy surfaces, later ones are soft. Takes longest.",
     ),
     (
+        BakeParts::ENVIRONMENT.with(BakeParts::RADIOSITY),
+        "Environment and moving objects",
+        "Environment light, and many soft bounces that are solved anew when an object was moved.",
+    ),
+    (
+        BakeParts::RADIOSITY,
+        "Moving objects only",
+        "Many soft bounces of the local lights, solved anew when an object was moved. No environment light.",
+    ),
+    (
         BakeParts::MESHLESS,
         "Many soft bounces only",
         "Many soft bounces of the local lights, none sharp in glossy surfaces. No environment light.",
@@ -43,7 +53,7 @@ const TYPES: [(BakeParts, &str, &str); 7] = [
     ),
 ];
 /// Types in the list.
-const LISTED: usize = 5;
+const LISTED: usize = 6;
 
 /// The list of bake types, and the effect and cost of the chosen one.
 pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<Action>) {

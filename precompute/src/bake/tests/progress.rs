@@ -31,7 +31,9 @@ fn every_phase_tells_how_far_it_is() {
     let mut triangles = room(Vec3::ZERO, Vec3::splat(2.0)).to_vec();
     triangles.extend(cuboid(Vec3::new(1.0, 0.3, 1.2), Vec3::splat(0.25)));
     let job = with(job(folder.path(), "room.cuts"), |s| {
-        (s.mode, s.indirect.sources, s.meshless.levels, s.meshless.sender_levels) = (BakeParts::ALL, 512, 3, 2);
+        (s.mode, s.indirect.sources, s.meshless.levels, s.meshless.sender_levels) =
+            (BakeParts::ALL.with(BakeParts::RADIOSITY), 512, 3, 2);
+        s.object_bases.functions = 2000;
         s.indirect.viewpoint = Some(Vec3::splat(0.9));
     });
     let heard = Heard::default();
@@ -47,6 +49,7 @@ fn every_phase_tells_how_far_it_is() {
         Phase::SourceEnvironment,
         Phase::Basis,
         Phase::Transport,
+        Phase::ObjectBases,
     ];
     let mut in_steps = 0;
     for phase in long {

@@ -90,7 +90,7 @@ impl ShownBounce {
 
 /// Adds bounced light as baked to vertices that have not moved.
 fn with_bounce(posed: Option<&PosedLight>, as_baked: &Sides) -> PosedLight {
-    let dark = || Sides { front: vec![Vec3::ZERO; as_baked.front.len()], back: vec![Vec3::ZERO; as_baked.back.len()] };
+    let dark = || Sides::dark(as_baked.front.len());
     let mut sum = posed.cloned().unwrap_or_else(|| PosedLight {
         is_moved: vec![false; as_baked.front.len()].into(),
         growth: dark(),

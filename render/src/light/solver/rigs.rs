@@ -3,7 +3,7 @@
 use crate::{
     baked::Baked,
     light::{
-        bounce::{MeshlessRig, SourceRig},
+        bounce::{MeshlessRig, RadiosityRig, SourceRig},
         situation::{Changes, Pending, Situation},
     },
 };
@@ -12,18 +12,24 @@ use crate::{
 pub struct Rigs {
     sources: Option<Pending<SourceRig>>,
     meshless: Option<Pending<MeshlessRig>>,
+    radiosity: Option<Pending<RadiosityRig>>,
 }
 
 impl Rigs {
     /// Creates the rigs of a dataset.
     pub fn new(baked: &Baked) -> Self {
-        Self { sources: SourceRig::new(baked).map(Pending::new), meshless: MeshlessRig::new(baked).map(Pending::new) }
+        Self {
+            sources: SourceRig::new(baked).map(Pending::new),
+            meshless: MeshlessRig::new(baked).map(Pending::new),
+            radiosity: RadiosityRig::new(baked).map(Pending::new),
+        }
     }
 
     /// Records changes.
     pub fn note(&mut self, changes: Changes) {
         self.sources.iter_mut().for_each(|rig| rig.note(changes));
         self.meshless.iter_mut().for_each(|rig| rig.note(changes));
+        self.radiosity.iter_mut().for_each(|rig| rig.note(changes));
     }
 
     /// Surface sources under direct light; `None` for a dataset without sources.
@@ -34,5 +40,10 @@ impl Rigs {
     /// Meshless basis under direct light; `None` for a dataset without a basis.
     pub fn meshless(&mut self, situation: &Situation) -> Option<&mut MeshlessRig> {
         Some(self.meshless.as_mut()?.lit(situation))
+    }
+
+    /// Functions of the objects under direct light; `None` for a dataset without them.
+    pub fn radiosity(&mut self, situation: &Situation) -> Option<&mut RadiosityRig> {
+        Some(self.radiosity.as_mut()?.lit(situation))
     }
 }

@@ -1,6 +1,9 @@
 //! The list of all solutions. Add one as a file beside this one and a line here.
 
-use super::{BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, meshless::MeshlessSolver};
+use super::{
+    BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, meshless::MeshlessSolver,
+    radiosity::RadiositySolver,
+};
 use lapidary_core::dataset::BakeParts;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -20,6 +23,8 @@ pub trait Described: BounceSolver + Default + 'static {
     const BOUNCES: u32;
     /// Dataset parts that it needs.
     const NEEDS: BakeParts;
+    /// Whether its light is that of the posed scene, so that nothing is added for objects that moved.
+    const FOLLOWS_POSES: bool = false;
 }
 
 macro_rules! solutions {
@@ -64,6 +69,11 @@ macro_rules! solutions {
                 match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::NEEDS,)* }
             }
 
+            /// Whether its light is that of the posed scene.
+            pub const fn follows_poses(self) -> bool {
+                match self { $($(#[$attribute])* Self::$variant => <$solver as Described>::FOLLOWS_POSES,)* }
+            }
+
             /// Its solver before the first step.
             pub(crate) fn solver(self) -> Box<dyn BounceSolver> {
                 match self { $($(#[$attribute])* Self::$variant => Box::new(<$solver>::default()),)* }
@@ -76,6 +86,7 @@ solutions! {
     Cuts(CutsSolver) = "cuts",
     Meshless(MeshlessSolver) = "meshless",
     CutsMeshless(CutsOverMeshless) = "cuts+meshless",
+    Radiosity(RadiositySolver) = "radiosity",
     #[cfg(test)]
     Even(Even) = "even",
 }

@@ -30,6 +30,11 @@ impl SkyGrid {
         Self { cells: sums.iter().enumerate().map(mean).collect() }
     }
 
+    /// Whether there is an environment.
+    pub fn shines(&self) -> bool {
+        !self.cells.is_empty()
+    }
+
     /// Radiance in W/(m² sr) by unit direction.
     #[inline]
     pub fn radiance(&self, direction: Vec3) -> Vec3 {

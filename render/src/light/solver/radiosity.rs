@@ -1,0 +1,73 @@
+//! Many bounces in functions of the objects, solved anew after a move (Zollhöfer and Stamminger 2011).
+
+use super::{BounceLight, BounceSolver, rigs::Rigs, solutions::Described};
+use crate::light::{
+    implicit::Sides,
+    situation::{Changes, Situation},
+};
+use glam::Vec3;
+use lapidary_core::{dataset::BakeParts, meshless::RadiositySettings, transport::BounceEnergy};
+use std::sync::Arc;
+
+/// Solves bounced light for the objects where they are.
+#[derive(Default)]
+pub struct RadiositySolver {
+    /// What is shown after each step of the present light: its bounces so far, and the further ones of the light before.
+    steps: Vec<Arc<Sides>>,
+    /// The steps of the last whole light.
+    before: Vec<Arc<Sides>>,
+    shown: Option<Arc<Sides>>,
+    energy: Option<BounceEnergy>,
+    is_whole: bool,
+}
+
+impl Described for RadiositySolver {
+    const LABEL: &'static str = "Radiosity";
+    const SUMMARY: &'static str = "Many bounces, soft, right again soon after an object was moved.";
+    const METHOD: &'static str = "Many bounces in functions of the objects, solved anew after a move";
+    const BOUNCES: u32 = RadiositySettings::DEFAULT.bounces;
+    const NEEDS: BakeParts = BakeParts::RADIOSITY;
+    const FOLLOWS_POSES: bool = true;
+}
+
+impl BounceSolver for RadiositySolver {
+    /// The first step after a change does nothing, so that a drag goes on with the light before.
+    fn advance(&mut self, situation: &Situation, changes: Changes, rigs: &mut Rigs) -> bool {
+        if changes.poses || changes.relight() {
+            if std::mem::take(&mut self.is_whole) {
+                self.before = std::mem::take(&mut self.steps);
+            }
+            self.steps.clear();
+            return true;
+        }
+        let Some(rig) = rigs.radiosity(situation).filter(|_| !self.is_whole) else { return false };
+        let goes_on = rig.step();
+        self.energy = rig.energy();
+        self.steps.push(rig.at_vertices().into());
+        self.is_whole = !goes_on;
+        self.shown = self.with_rest_of_before();
+        goes_on
+    }
+
+    fn light(&self) -> Option<BounceLight> {
+        self.shown.clone().map(BounceLight::Vertices)
+    }
+
+    fn energy(&self) -> Option<BounceEnergy> {
+        self.energy
+    }
+}
+
+impl RadiositySolver {
+    /// The present light with the bounces of the light before that it lacks: a picture would else darken after each move.
+    fn with_rest_of_before(&self) -> Option<Arc<Sides>> {
+        let now = self.steps.last()?;
+        let rest = self.before.get(self.steps.len() - 1).zip(self.before.last()).filter(|_| !self.is_whole);
+        let Some((same, all)) = rest else { return Some(now.clone()) };
+        let side = |of: fn(&Sides) -> &[Vec3]| {
+            let values = of(now).iter().zip(of(all)).zip(of(same));
+            values.map(|((now, all), same)| (now + all - same).max(Vec3::ZERO)).collect()
+        };
+        Some(Sides { front: side(|sides| &sides.front), back: side(|sides| &sides.back) }.into())
+    }
+}
