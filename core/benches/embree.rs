@@ -44,7 +44,7 @@ fn main() {
     for &(origin, half) in &origins {
         ours.fill(0);
         theirs.fill(0);
-        rays += intersector.trace_batch(origin, &set, |d| half.has(d), &mut ours);
+        rays += intersector.trace_batch(origin, &set, |_, d| half.has(d), &mut ours);
         embree.trace(origin, directions, &half, &mut theirs);
         differ += ours.iter().zip(&theirs).filter(|(a, b)| a != b).count();
     }
@@ -56,7 +56,7 @@ fn main() {
         };
         let batches = million(&mut |origin, half| {
             ours.fill(0);
-            intersector.trace_batch(origin, &set, |d| half.has(d), &mut ours);
+            intersector.trace_batch(origin, &set, |_, d| half.has(d), &mut ours);
         });
         let packets = million(&mut |origin, half| embree.trace(origin, directions, half, &mut theirs));
         println!(

@@ -7,9 +7,11 @@ pub mod illumination;
 pub mod lit;
 pub mod merge;
 pub mod packed;
+mod renewal;
 mod solid_angles;
 mod visibility;
 
+pub use renewal::{CutPart, cut_parts, leaves_below};
 pub use solid_angles::{
     LARGEST_SOLID_ANGLE, SourceCriterion, SourceCutSelector, prune_sources, solid_angle, solid_angle_code,
     solid_angle_error, solid_angles,

@@ -182,6 +182,12 @@ impl Opacities {
         pairs.into_iter().all(|(own, others)| of(self, own) == of(other, others))
     }
 
+    /// Whether both give a triangle of a mesh the same opacity.
+    pub fn agree_at(&self, other: &Self, mesh: &Mesh, triangle: u32) -> bool {
+        let of = |of: &Self| of.materials.get(of.material(mesh, triangle) as usize).cloned().unwrap_or(Opacity::FULL);
+        of(self) == of(other)
+    }
+
     /// The opacity of each material that lets light through anywhere.
     pub fn thin(&self) -> Vec<Option<Opacity>> {
         self.materials.iter().map(|opacity| (!opacity.is_full()).then(|| opacity.clone())).collect()

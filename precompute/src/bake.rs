@@ -9,6 +9,7 @@ mod phases;
 mod remarks;
 mod report;
 pub(crate) mod settings;
+pub mod update;
 mod variant;
 
 pub use job::BakeJob;

@@ -35,6 +35,7 @@ pub use bake::{
     checkpoint::{Chunk, Leftover, leftover},
     merge,
     settings::{Preset, ResolvedBake, resolve, with_room},
+    update::update,
 };
 pub use bake::{most_vertices, tessellation_units};
 pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError, ShardError};

@@ -166,7 +166,7 @@ pub(crate) fn trace_vertex(
     seen: &mut [u8],
 ) {
     let (p, n) = (mesh.positions[vertex as usize], mesh.normals[vertex as usize]);
-    intersector.trace_batch(p + n * 1e-3, lights, |d| d.dot(n) > 0.0, seen);
+    intersector.trace_batch(p + n * 1e-3, lights, |_, d| d.dot(n) > 0.0, seen);
 }
 
 pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: impl Into<Parameters>, sigma: f32) -> Dataset {

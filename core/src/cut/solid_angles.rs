@@ -16,6 +16,7 @@ pub use prune::prune_sources;
 
 use super::{
     packed::{VALUE_MAX, depth},
+    renewal::CutPart,
     visibility::CutWriter,
 };
 use serde::{Deserialize, Serialize};
@@ -73,23 +74,33 @@ impl SourceCutSelector {
     /// Appends the packed cut of `leaves` (steradians, in tree order) to `cut`, which must be empty. Values are coded
     /// by [`solid_angle_code`].
     pub fn select(&mut self, leaves: &[f32], cut: &mut Vec<u16>) {
+        self.select_parts(leaves, &CutPart::ALL, cut);
+    }
+
+    /// [`Self::select`] for the stale parts of a cut; only leaves below these count.
+    pub fn select_parts(&mut self, leaves: &[f32], parts: &[CutPart], cut: &mut Vec<u16>) {
         assert_eq!(leaves.len(), 1 << self.height, "one value per leaf");
         self.sum_up(leaves);
         let largest = self.criterion.max_solid_angle;
         let mut writer = CutWriter::new(self.height, cut);
-        let mut stack = vec![1_usize];
-        while let Some(node) = stack.pop() {
-            if self.is_coarse(node) {
-                stack.extend([2 * node + 1, 2 * node]);
-                continue;
-            }
-            let sum = f64::from(self.sums[node][0]) * f64::from(self.unit());
-            let code = solid_angle_code(sum as f32 / self.size(node));
+        let mut stack: Vec<CutPart> = parts.iter().rev().copied().collect();
+        while let Some(part) = stack.pop() {
+            let packed = match part {
+                CutPart::Kept(packed) => packed,
+                CutPart::Stale(node) if self.is_coarse(node) => {
+                    stack.extend([2 * node + 1, 2 * node].map(CutPart::Stale));
+                    continue;
+                }
+                CutPart::Stale(node) => {
+                    let sum = f64::from(self.sums[node][0]) * f64::from(self.unit());
+                    solid_angle_code(sum as f32 / self.size(node)) | (node.ilog2() as u16) << 12
+                }
+            };
             let solid_angle_of = |node: u16| {
                 let leaves = (1_u32 << (self.height - depth(node))) as f32;
                 leaves * solid_angle(node & VALUE_MAX)
             };
-            writer.push_where(code | (node.ilog2() as u16) << 12, |parent| solid_angle_of(parent) <= largest);
+            writer.push_where(packed, |parent| solid_angle_of(parent) <= largest);
         }
     }
 

@@ -1,6 +1,9 @@
 //! Selection of visibility cuts (paper, 3.2, Eq. 5).
 
-use super::packed::{VALUE_MAX, depth, pack_node, value};
+use super::{
+    packed::{VALUE_MAX, depth, pack_node, value},
+    renewal::CutPart,
+};
 use crate::ray::OPEN;
 use serde::{Deserialize, Serialize};
 use std::collections::BinaryHeap;
@@ -26,6 +29,11 @@ impl Default for CutCriterion {
 }
 
 impl CutCriterion {
+    /// Whether a node of a tree of `leaves` leaves is split by its own leaves alone.
+    pub fn is_local(&self, leaves: usize) -> bool {
+        self.max_nodes as usize >= leaves && self.total_error.is_none()
+    }
+
     /// The criterion for leaves that each stand for `leaves` equal ones; it selects the same cuts.
     #[must_use]
     pub fn of_means(self, leaves: usize) -> Self {
@@ -57,14 +65,20 @@ impl CutSelector {
     /// Appends the packed cut of `leaves` (0 to [`OPEN`], in tree order) to `cut`, which must be empty. Returns the sum of
     /// squared errors of the stored values over all leaves.
     pub fn select(&mut self, leaves: &[u8], cut: &mut Vec<u16>) -> f64 {
+        self.select_parts(leaves, &CutPart::ALL, cut)
+    }
+
+    /// [`Self::select`] for the stale parts of a cut; only leaves below these count. A bound on the whole cut needs all leaves, see
+    /// [`CutCriterion::is_local`].
+    pub fn select_parts(&mut self, leaves: &[u8], parts: &[CutPart], cut: &mut Vec<u16>) -> f64 {
         assert_eq!(leaves.len(), 1 << self.height, "one value per leaf");
         self.sum(leaves);
         self.split.fill(false);
-        let unbounded = self.criterion.max_nodes as usize >= leaves.len() && self.criterion.total_error.is_none();
-        if !unbounded {
+        let is_local = self.criterion.is_local(leaves.len());
+        if !is_local {
             self.split_worst_first();
         }
-        self.emit(unbounded, cut)
+        self.emit(is_local, parts, cut)
     }
 
     fn sum(&mut self, leaves: &[u8]) {
@@ -120,13 +134,20 @@ impl CutSelector {
     }
 
     /// Writes the nodes left to right.
-    fn emit(&self, by_sigma: bool, cut: &mut Vec<u16>) -> f64 {
+    fn emit(&self, by_sigma: bool, parts: &[CutPart], cut: &mut Vec<u16>) -> f64 {
         let mut squared_error = 0.0;
         let mut writer = CutWriter::new(self.height, cut);
-        let mut stack = vec![1_usize];
-        while let Some(node) = stack.pop() {
+        let mut stack: Vec<CutPart> = parts.iter().rev().copied().collect();
+        while let Some(part) = stack.pop() {
+            let node = match part {
+                CutPart::Kept(packed) => {
+                    writer.push(packed);
+                    continue;
+                }
+                CutPart::Stale(node) => node,
+            };
             if self.split[node] || (by_sigma && self.exceeds_sigma(node)) {
-                stack.extend([2 * node + 1, 2 * node]);
+                stack.extend([2 * node + 1, 2 * node].map(CutPart::Stale));
                 continue;
             }
             let ((sum, squares), size) = (self.moments(node), f64::from(self.size(node)));

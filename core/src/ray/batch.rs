@@ -21,12 +21,12 @@ impl Intersector {
     /// Traces all directions for which `wanted` holds from `origin`, and sets `visible[i]` of unblocked ones to
     /// [`OPEN`]. Other entries stay unchanged. Returns the number of rays traced.
     ///
-    /// `wanted` gets a direction; it must be cheap. `visible` has one entry per direction, in the order of the set's creation.
+    /// `wanted` gets an index and a direction; it must be cheap. `visible` has one entry per direction, in the order of the set's creation.
     pub fn trace_batch(
         &self,
         origin: Vec3,
         directions: &DirectionSet,
-        wanted: impl Fn(Vec3) -> bool,
+        wanted: impl Fn(u32, Vec3) -> bool,
         visible: &mut [u8],
     ) -> u64 {
         assert_eq!(visible.len(), directions.len(), "one visibility a direction");
@@ -50,10 +50,10 @@ impl Intersector {
     }
 }
 
-fn wanted_rays(packet: &Packet, wanted: &impl Fn(Vec3) -> bool) -> Active {
+fn wanted_rays(packet: &Packet, wanted: &impl Fn(u32, Vec3) -> bool) -> Active {
     let mut active = [0; GROUPS];
     for i in 0..packet.count {
-        active[i / GROUP] |= u8::from(wanted(packet.rays[i / GROUP].lane(i % GROUP))) << (i % GROUP);
+        active[i / GROUP] |= u8::from(wanted(packet.targets[i], packet.rays[i / GROUP].lane(i % GROUP))) << (i % GROUP);
     }
     active
 }

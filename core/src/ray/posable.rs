@@ -204,7 +204,7 @@ mod tests {
             assert!(differ(&met(&baked), &expected) > 500, "negative control: without the pose");
             let seen = |rays: &Intersector| {
                 let mut seen = vec![0; 512];
-                rays.trace_batch(ORIGIN, &directions, |_| true, &mut seen);
+                rays.trace_batch(ORIGIN, &directions, |_, _| true, &mut seen);
                 seen
             };
             assert_eq!(seen(&posed), seen(&built), "in batches, through thin surfaces");

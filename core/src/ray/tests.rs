@@ -17,7 +17,7 @@ fn batches_single_rays_and_brute_force_agree_to_the_bit() {
         let set = DirectionSet::new(&directions);
         for origin in [Vec3::ZERO, Vec3::new(2.0, 1.0, -3.0), Vec3::new(0.0, 9.0, 0.0)] {
             let mut visible = vec![0; lights];
-            let traced = scene.trace_batch(origin, &set, |d| d.x > -0.2, &mut visible);
+            let traced = scene.trace_batch(origin, &set, |_, d| d.x > -0.2, &mut visible);
             assert_eq!(traced, directions.iter().filter(|d| d.x > -0.2).count() as u64);
             let mut blocked = 0;
             for (v, &d) in visible.iter().zip(&directions) {
@@ -418,7 +418,7 @@ fn over_a_ground_rays_meet_what_they_meet_by_brute_force() {
     let low = mesh.bounds().min.y;
     for origin in [Vec3::ZERO, Vec3::new(3.0, low, 2.0), Vec3::new(90.0, low, -60.0), Vec3::new(0.0, low - 4.0, 0.0)] {
         let mut visible = vec![0; directions.len()];
-        scene.trace_batch(origin, &set, |_| true, &mut visible);
+        scene.trace_batch(origin, &set, |_, _| true, &mut visible);
         for (v, &d) in visible.iter().zip(&directions) {
             let occluded = scene.occluded_by_brute_force(origin, d);
             assert_eq!((scene.occluded(origin, d), *v == 0), (occluded, occluded), "{origin} {d}");

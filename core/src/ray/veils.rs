@@ -154,7 +154,7 @@ impl Intersector {
     ) {
         let Some(veils) = &self.veils else { return };
         let mut clear = vec![0; visible.len()];
-        veils.surfaces.trace_batch(origin, directions, &wanted, &mut clear);
+        veils.surfaces.trace_batch(origin, directions, |_, d| wanted(d), &mut clear);
         directions.each(|i, direction| {
             if visible[i] != 0 && clear[i] == 0 && wanted(direction) {
                 let passed = veils.transmittance(origin, direction, f32::INFINITY);
@@ -261,7 +261,7 @@ mod tests {
         let set = DirectionSet::new(&directions);
         let upward = |d: Vec3| d.y > 0.1;
         let mut visible = vec![0; directions.len()];
-        scene.trace_batch(origin, &set, upward, &mut visible);
+        scene.trace_batch(origin, &set, |_, d| upward(d), &mut visible);
         assert!(directions.iter().zip(&visible).all(|(&d, &v)| v == if upward(d) { OPEN } else { 0 }));
         scene.attenuate(origin, &set, upward, &mut visible);
         let single = |&d: &Vec3| if upward(d) { (scene.transmittance(origin, d) * 255.0).round() as u8 } else { 0 };

@@ -3,7 +3,7 @@
 use super::{
     Mesh, MeshError, Scene,
     placed::Placed,
-    pose::{Objects, Poses},
+    pose::{Objects, Pose, Poses},
 };
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -33,6 +33,29 @@ impl Scene {
             baked_center: after.center(object),
         };
         self.placed = moved.map(placed).collect();
+        Ok(())
+    }
+
+    /// Places the objects of a baked scene anew, by poses relative to the file. Where the bake deformed objects, they keep their form.
+    ///
+    /// # Errors
+    /// As [`Self::place`].
+    pub fn place_again(&mut self, of_file: &Poses) -> Result<(), MeshError> {
+        let before = Objects::of(self);
+        let since = self.poses_since_baked(of_file);
+        self.mesh = since.pose(&self.mesh, &before)?;
+        let after = Objects::of(self);
+        let is_deformed = |placed: &&Placed| placed.pose == Pose::AS_BAKED;
+        let deformed = self.placed.iter().filter(is_deformed).map(|placed| placed.object);
+        let placed_objects: BTreeSet<u32> =
+            deformed.chain(of_file.moved()).filter(|&o| (o as usize) < before.len()).collect();
+        let placed = |object: u32| Placed {
+            object,
+            pose: of_file.of(object),
+            center: self.center_in_file(object).unwrap_or(before.center(object)),
+            baked_center: after.center(object),
+        };
+        self.placed = placed_objects.into_iter().map(placed).collect();
         Ok(())
     }
 

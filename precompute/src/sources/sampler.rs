@@ -62,9 +62,20 @@ impl<'a> SourceSampler<'a> {
     /// Sets `seen[leaf]` to the solid angle in steradians of every source. A distant source has its disc's solid angle, or zero if
     /// it faces away, lies below the point's horizon, or is hidden; rays determine near ones. Returns the number of traced rays.
     pub fn sample(&self, point: &BakePoint, scratch: &mut SourceScratch, seen: &mut [f32]) -> u64 {
+        self.sample_some(point, |_| true, scratch, seen)
+    }
+
+    /// [`Self::sample`] for some sources; the values of others have no meaning.
+    pub fn sample_some(
+        &self,
+        point: &BakePoint,
+        is_wanted: impl Fn(usize) -> bool,
+        scratch: &mut SourceScratch,
+        seen: &mut [f32],
+    ) -> u64 {
         let SourceScratch { batch, tracer, wanted } = scratch;
         wanted.iter_mut().for_each(Vec::clear);
-        let has_near = self.sort(point, seen, |i, side| wanted[side as usize].push(i as u32));
+        let has_near = self.sort(point, seen, is_wanted, |i, side| wanted[side as usize].push(i as u32));
         let mut far = 0;
         for (wanted, side) in wanted.iter().zip(Side::BOTH).filter(|(wanted, _)| !wanted.is_empty()) {
             let origin = point.origin(side);
@@ -87,7 +98,7 @@ impl<'a> SourceSampler<'a> {
     /// [`Self::sample`] by single segments and rays, for verification.
     pub fn sample_singly(&self, point: &BakePoint, seen: &mut [f32]) {
         let mut far = Vec::new();
-        let has_near = self.sort(point, seen, |i, side| far.push((i, side)));
+        let has_near = self.sort(point, seen, |_| true, |i, side| far.push((i, side)));
         for (i, side) in far {
             let open = !self.scene.occluded_between(point.origin(side), self.ends[i]);
             let solid_angle = self.sources[i].solid_angle_from(point.place(side));
@@ -108,12 +119,18 @@ impl<'a> SourceSampler<'a> {
         }
     }
 
-    /// Calls `far` with each source to trace and the side of the point that faces it, and sets all others to zero.
-    /// Returns for each side whether it has near sources.
-    fn sort(&self, point: &BakePoint, seen: &mut [f32], mut far: impl FnMut(usize, Side)) -> [bool; 2] {
+    /// Calls `far` with each wanted source to trace and the side of the point that faces it, and sets all others to zero.
+    /// Returns for each side whether it has near ones that are wanted.
+    fn sort(
+        &self,
+        point: &BakePoint,
+        seen: &mut [f32],
+        is_wanted: impl Fn(usize) -> bool,
+        mut far: impl FnMut(usize, Side),
+    ) -> [bool; 2] {
         let mut has_near = [false; 2];
-        for (i, (source, seen)) in self.sources.iter().zip(seen.iter_mut()).enumerate() {
-            *seen = 0.0;
+        seen.fill(0.0);
+        for (i, source) in self.sources.iter().enumerate().filter(|(i, _)| is_wanted(*i)) {
             match facing_side(point, source) {
                 Some(side) if self.near.holds(source, point.origin(side)) => {
                     has_near[side as usize] |= self.near.is_over(source, point.place(side));

@@ -176,7 +176,7 @@ mod tests {
         fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String> {
             let row = |at: &RayOrigin| {
                 let mut visible = vec![0; self.1.len()];
-                self.0.trace_batch(at.origin, &self.1, |d| at.half.has(d), &mut visible);
+                self.0.trace_batch(at.origin, &self.1, |_, d| at.half.has(d), &mut visible);
                 visible
                     .chunks(32)
                     .map(|bits| bits.iter().rev().fold(0, |word, &bit| word << 1 | u32::from(bit / OPEN)))

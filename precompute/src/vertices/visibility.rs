@@ -77,12 +77,26 @@ impl<'a> VisibilitySampler<'a> {
 
     /// Sets `visible[leaf]` to the visible share of each light, in units of 1 / [`OPEN`]. Returns the traced rays.
     pub fn sample(&self, point: &BakePoint, tracer: &mut BoundaryTracer, visible: &mut [u8]) -> u64 {
+        self.sample_some(point, None, tracer, visible)
+    }
+
+    /// [`Self::sample`] for the marked lights, if any are marked; others are dark.
+    pub fn sample_some(
+        &self,
+        point: &BakePoint,
+        marked: Option<&[bool]>,
+        tracer: &mut BoundaryTracer,
+        visible: &mut [u8],
+    ) -> u64 {
         visible.fill(0);
         let mut trace = |&side: &Side| {
             let (origin, half) = (point.origin(side), point.half_of(side));
+            let wanted = |i: u32, d| half.has(d) && marked.is_none_or(|marked| marked[i as usize]);
             match &self.directions {
-                Directions::All(set) => self.scene.trace_batch(origin, set, |d| half.has(d), &mut *visible),
-                Directions::Boundaries(set) => tracer.trace(self.scene, origin, set, &half, &mut *visible),
+                Directions::All(set) => self.scene.trace_batch(origin, set, wanted, &mut *visible),
+                Directions::Boundaries(set) => {
+                    tracer.trace_some(self.scene, origin, set, (&half, marked), &mut *visible)
+                }
             }
         };
         let rays = point.sides().iter().map(&mut trace).sum();

@@ -218,7 +218,7 @@ mod tests {
             let (mut ties, mut seen) = (0, 0);
             for (row, at) in open.chunks(lights.div_ceil(32)).zip(&origins) {
                 let mut visible = vec![0; lights];
-                scene.trace_batch(at.origin, &set, |d| at.half.has(d), &mut visible);
+                scene.trace_batch(at.origin, &set, |_, d| at.half.has(d), &mut visible);
                 let differs = |(i, v): &(usize, &u8)| row[i / 32] >> (i % 32) & 1 != u32::from(**v / OPEN);
                 ties += visible.iter().enumerate().filter(differs).count();
                 seen += visible.iter().filter(|v| **v == OPEN).count();

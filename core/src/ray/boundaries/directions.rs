@@ -105,19 +105,37 @@ impl BoundaryTracer {
         half: &HalfSpace,
         visible: &mut [u8],
     ) -> u64 {
+        self.trace_some(scene, origin, set, (half, None), visible)
+    }
+
+    /// [`Self::trace`] for the directions that are marked, if any are.
+    pub fn trace_some(
+        &mut self,
+        scene: &Intersector,
+        origin: Vec3,
+        set: &BoundarySet,
+        wanted: (&HalfSpace, Option<&[bool]>),
+        visible: &mut [u8],
+    ) -> u64 {
         let Self { state, stack, frontier } = self;
         frontier.move_to(scene, origin);
         let traced = Traced { scene, origin, frontier, stack };
-        Self::run(state, set, half, traced, visible)
+        Self::run(state, set, wanted, traced, visible)
     }
 
     /// [`Self::trace`] for rays traced elsewhere: the bits of `open` mark unblocked directions.
     pub fn follow(&mut self, open: &[u32], set: &BoundarySet, half: &HalfSpace, visible: &mut [u8]) {
-        Self::run(&mut self.state, set, half, Told(open), visible);
+        Self::run(&mut self.state, set, (half, None), Told(open), visible);
     }
 
-    fn run(state: &mut State, set: &BoundarySet, half: &HalfSpace, meet: impl Meet, visible: &mut [u8]) -> u64 {
-        let rays = Directions { set, half, meet };
+    fn run(
+        state: &mut State,
+        set: &BoundarySet,
+        (half, marked): (&HalfSpace, Option<&[bool]>),
+        meet: impl Meet,
+        visible: &mut [u8],
+    ) -> u64 {
+        let rays = Directions { set, half, marked, meet };
         let count = InstructionSet::widest().run(Follow { graph: &set.graph, rays, state });
         assert_eq!(visible.len(), set.len(), "one visibility a direction");
         for (group, &open) in set.graph.groups.iter().zip(&state.open) {
@@ -168,25 +186,37 @@ fn lanes_below(count: usize) -> u8 {
     ((1_u32 << count) - 1) as u8
 }
 
-/// The directions of a set within a half-space.
+/// The directions of a set within a half-space, of which only the marked ones are wanted, if any are marked.
 struct Directions<'a, M> {
     set: &'a BoundarySet,
     half: &'a HalfSpace,
+    marked: Option<&'a [bool]>,
     meet: M,
+}
+
+impl<M> Directions<'_, M> {
+    /// The wanted lanes of some directions.
+    #[inline(always)]
+    fn wanted<L: Lanes>(&self, rays: &RayGroup, targets: &[u32]) -> u8 {
+        let within = rays.within::<L>(self.half) & lanes_below(targets.len());
+        let Some(marked) = self.marked.filter(|_| within != 0) else { return within };
+        let bit = |(lane, &target): (usize, &u32)| u8::from(marked[target as usize]) << lane;
+        within & targets.iter().enumerate().map(bit).fold(0, |all, bit| all | bit)
+    }
 }
 
 impl<M: Meet> Rays for Directions<'_, M> {
     #[inline(always)]
     fn probe<L: Lanes>(&mut self, state: &mut State) -> u64 {
-        let Self { set, half, meet } = self;
+        let set = self.set;
         for (rays, group) in set.groups.iter().zip(&set.graph.groups) {
-            state.wanted.push(rays.within::<L>(half) & lanes_below(group.targets.len()));
+            state.wanted.push(self.wanted::<L>(rays, &group.targets));
         }
         let mut count = 0;
         for probes in &set.probes {
-            let active = probes.rays.within::<L>(half) & lanes_below(probes.targets.len());
+            let active = self.wanted::<L>(&probes.rays, &probes.targets);
             count += u64::from(active.count_ones());
-            let open = if active == 0 { 0 } else { meet.open::<L>(&probes.rays, &probes.targets, active) };
+            let open = if active == 0 { 0 } else { self.meet.open::<L>(&probes.rays, &probes.targets, active) };
             for lane in 0..probes.targets.len() {
                 state.predict((active >> lane & 1 == 1).then_some(open >> lane & 1 == 1));
             }

@@ -23,7 +23,8 @@ pub type MadeCut = (Vec<u16>, f64, u64);
 
 /// Computes the cuts of points.
 pub trait CutMaker {
-    fn points(&self) -> &[BakePoint];
+    /// Number of points.
+    fn points(&self) -> usize;
 
     /// Height of the tree below the cuts.
     fn height(&self) -> u32;
@@ -32,7 +33,7 @@ pub trait CutMaker {
     ///
     /// # Errors
     /// A device error.
-    fn make(&self, points: &[BakePoint]) -> Result<Vec<MadeCut>, BakeError>;
+    fn make(&self, points: Range<usize>) -> Result<Vec<MadeCut>, BakeError>;
 }
 
 /// Visibility of the environment's lights.
@@ -44,16 +45,16 @@ pub struct EnvironmentCuts<'a> {
 }
 
 impl CutMaker for EnvironmentCuts<'_> {
-    fn points(&self) -> &[BakePoint] {
-        self.points
+    fn points(&self) -> usize {
+        self.points.len()
     }
 
     fn height(&self) -> u32 {
         self.height
     }
 
-    fn make(&self, points: &[BakePoint]) -> Result<Vec<MadeCut>, BakeError> {
-        let points: Vec<&BakePoint> = points.iter().collect();
+    fn make(&self, points: Range<usize>) -> Result<Vec<MadeCut>, BakeError> {
+        let points: Vec<&BakePoint> = self.points[points].iter().collect();
         let selector = || CutSelector::new(self.height, self.criterion);
         self.sampler.each(&points, selector, |selector, visible, rays| {
             let mut cut = Vec::new();
@@ -71,15 +72,15 @@ pub struct SourceCuts<'a> {
 }
 
 impl CutMaker for SourceCuts<'_> {
-    fn points(&self) -> &[BakePoint] {
-        self.points
+    fn points(&self) -> usize {
+        self.points.len()
     }
 
     fn height(&self) -> u32 {
         self.sampler.len().ilog2()
     }
 
-    fn make(&self, points: &[BakePoint]) -> Result<Vec<MadeCut>, BakeError> {
+    fn make(&self, points: Range<usize>) -> Result<Vec<MadeCut>, BakeError> {
         let scratch = || {
             let selector = SourceCutSelector::new(self.height(), self.criterion);
             (selector, SourceScratch::default(), vec![0.0; self.sampler.len()])
@@ -92,7 +93,7 @@ impl CutMaker for SourceCuts<'_> {
             let squared_error = solid_angle_error(self.height(), &cut, seen);
             (cut, if squared_norm > 0.0 { squared_error / squared_norm } else { 0.0 }, rays)
         };
-        Ok(points.par_iter().map_init(scratch, one).collect())
+        Ok(self.points[points].par_iter().map_init(scratch, one).collect())
     }
 }
 
@@ -102,7 +103,7 @@ pub fn bake_chunks<'a, M: CutMaker>(
     kept: &'a Kept<'a>,
     observer: &dyn Observer,
 ) -> Result<PointCuts<'a>, BakeError> {
-    let count = maker.points().len();
+    let count = maker.points();
     let mut cuts = PointCuts::new(maker.height());
     for index in 0..kept.chunks() {
         let range = kept.range(count, index);
@@ -125,12 +126,13 @@ pub fn bake_chunks<'a, M: CutMaker>(
     Ok(cuts)
 }
 
-fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observer) -> Result<Chunk, BakeError> {
+/// The cuts of some points.
+pub fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observer) -> Result<Chunk, BakeError> {
     let mut chunk = Chunk::default();
     for start in range.clone().step_by(POINTS_PER_STEP) {
         cancelled(observer)?;
-        let step = &maker.points()[start..range.end.min(start + POINTS_PER_STEP)];
-        for (cut, squared_error, rays) in maker.make(step)? {
+        let step = start..range.end.min(start + POINTS_PER_STEP);
+        for (cut, squared_error, rays) in maker.make(step.clone())? {
             chunk.push(&cut, squared_error, rays);
         }
         observer.event(Event::Advanced { done: (start + step.len()) as u64 });

@@ -58,7 +58,7 @@ impl LightSamples {
 pub(crate) fn trace_lights(renderer: &Renderer, lights: &DirectionSet, point: &SurfacePoint, visible: &mut [u8]) {
     visible.fill(0);
     let receives = |d| point.receives(d);
-    renderer.intersector().trace_batch(point.ray_origin, lights, receives, visible);
+    renderer.intersector().trace_batch(point.ray_origin, lights, |_, d| receives(d), visible);
     renderer.intersector().attenuate(point.ray_origin, lights, receives, visible);
 }
 

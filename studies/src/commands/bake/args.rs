@@ -11,17 +11,19 @@ use anyhow::{Context, Error, Result};
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
 use lapidary_core::{
     animation::{BoundAnimation, ClipTime, Playback},
-    dataset::{BakeParts, BakeReport, BakeSettings},
+    dataset::{BakeParts, BakeReport, BakeSettings, Dataset},
     ground::Ground,
+    lock::OutputLock,
     ray::RayDevices,
     scene::{Scene, pose::Poses},
 };
 use lapidary_interchange::{
     animation,
     formats::SceneFormat,
+    image,
     import::{ImportOptions, import_with},
 };
-use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve};
+use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve, update};
 use lapidary_render::{
     BackendError,
     gpu::{GpuRays, Room, SharedDevice},
@@ -62,8 +64,18 @@ impl DeviceChoice {
 #[derive(Args, Clone, Debug)]
 pub struct BakeArgs {
     /// Scene to bake.
-    #[arg(help = format!("Scene to bake: {}", SceneFormat::names()))]
-    pub scene: PathBuf,
+    #[arg(help = format!("Scene to bake: {}", SceneFormat::names()), required_unless_present = "update")]
+    pub scene: Option<PathBuf>,
+    /// Dataset to take over, with its settings: objects are moved to their place in --pose, and only what the move reaches is baked
+    /// anew
+    #[arg(
+        long,
+        value_name = "OLD.cuts",
+        conflicts_with_all = ["scene", "variant", "of_scene", "time", "clip", "preset", "mode", "exhaustive", "ground",
+            "max_vertices", "even_vertices", "no_tessellate", "shots", "device", "chunks", "shard", "resume", "OutsideArgs", "EnvironmentOptions", "SourceOptions", "MeshlessOptions",
+            "ObjectBasesOptions"]
+    )]
+    update: Option<PathBuf>,
     #[command(flatten)]
     outside: OutsideArgs,
     /// Variant of a glTF scene's materials (KHR_materials_variants); `lapidary info SCENE` lists them [default: the file's default
@@ -91,8 +103,8 @@ pub struct BakeArgs {
     #[arg(long, default_value = "normal", value_parser = choices::preset())]
     pub preset: Preset,
     /// Parts to bake, separated by commas: environment (its visibility), indirect (surface sources, which gather one
-    /// bounce of local lights) and meshless (the meshless basis and its transport). cuts stands for
-    /// environment,indirect; all stands for all three
+    /// bounce of local lights), meshless (the meshless basis and its transport) and radiosity (functions of each object, for
+    /// bounces that are solved anew after a move). cuts stands for environment,indirect; all stands for the first three
     #[arg(long, value_name = "PARTS", default_value_t)]
     pub mode: BakeParts,
     #[command(flatten)]
@@ -164,13 +176,18 @@ impl BakeArgs {
 
     /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        CommandFiles::default().reads([&self.scene]).reads(&self.pose).writes([&self.output]).writes(&self.report)
+        CommandFiles::default()
+            .reads(&self.scene)
+            .reads(&self.update)
+            .reads(&self.pose)
+            .writes([&self.output])
+            .writes(&self.report)
     }
 
     /// Poses with the deformations of the scene's animation at the requested time, and that time.
     fn posed_in_time(&self, poses: Poses, scene: &Scene, options: &ImportOptions) -> Result<(Poses, Option<ClipTime>)> {
         let Some(seconds) = self.time else { return Ok((poses, None)) };
-        let animation = BoundAnimation::new(animation::read(&self.scene, options)?, scene)?;
+        let animation = BoundAnimation::new(animation::read(self.scene_file(), options)?, scene)?;
         let index = animation.animation().clip(self.clip.as_deref())?;
         let clip = &animation.clips()[index];
         let time = ClipTime { clip: clip.name.clone(), seconds: clip.time_at(seconds, Playback::Once) };
@@ -182,19 +199,54 @@ impl BakeArgs {
     /// # Errors
     /// An unreadable scene, options out of range, an unwritable output, or Ctrl-C.
     pub fn run(&self, console: Console) -> Result<BakeReport> {
+        let report = match &self.update {
+            Some(old) => self.run_update(old, console)?,
+            None => self.run_bake(console)?,
+        };
+        if let Some(path) = &self.report {
+            write_json(path, &report)?;
+        }
+        Ok(report)
+    }
+
+    /// The file to bake.
+    fn scene_file(&self) -> &Path {
+        self.scene.as_deref().expect("the command line demands it")
+    }
+
+    fn start_threads(&self) -> Result<()> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        pool.context("cannot start the worker threads; choose a smaller --threads")
+    }
+
+    /// Takes over a dataset and bakes anew what the poses reach.
+    fn run_update(&self, old: &Path, console: Console) -> Result<BakeReport> {
+        self.start_threads()?;
+        let progress = ProgressReporter::new(self.progress, console);
+        progress.cancel_on_interrupt();
+        let dataset = Dataset::read(old, image::decode)?;
+        let poses = self.pose.as_deref().map(|path| Poses::read(path, &dataset.scene)).transpose()?;
+        let mut scene = dataset.scene.clone();
+        scene.place_again(&poses.unwrap_or_default()).map_err(BakeError::Pose)?;
+        let _lock = OutputLock::acquire(&self.output)?;
+        let updated = update(dataset, scene, &progress)?;
+        updated.write(&self.output)?;
+        progress.finish();
+        Ok(updated.report)
+    }
+
+    fn run_bake(&self, console: Console) -> Result<BakeReport> {
         let rays = self.device.rays(self.shard)?;
         let devices = rays.as_ref().map(|rays| rays as &dyn RayDevices);
         let mut settings = resolve(self.settings())?;
-        if let Some(threads) = self.threads {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-            pool.context("cannot start the worker threads; choose a smaller --threads")?;
-        }
+        self.start_threads()?;
         let progress = ProgressReporter::new(self.progress, console);
         progress.cancel_on_interrupt();
         let start = Instant::now();
         let options =
             ImportOptions { variant: self.variant.clone(), scene: self.of_scene.clone(), ..self.outside.into() };
-        let imported = import_with(&self.scene, &options)?;
+        let imported = import_with(self.scene_file(), &options)?;
         imported.report.warnings.iter().for_each(|w| progress.warn(w));
         // The scene's own buffers and pictures are only known now.
         self.files().reads(&imported.report.files).check()?;
@@ -226,11 +278,8 @@ impl BakeArgs {
             Some(shard) => bake_shard(imported.scene, &job, shard, devices, &progress),
             None => bake_on(imported.scene, &job, devices, &progress).map(|dataset| dataset.report),
         };
-        let report = baked.map_err(|error| of_scene(error, &self.scene))?;
+        let report = baked.map_err(|error| of_scene(error, self.scene_file()))?;
         progress.finish();
-        if let Some(path) = &self.report {
-            write_json(path, &report)?;
-        }
         Ok(report)
     }
 }

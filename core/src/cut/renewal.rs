@@ -1,0 +1,137 @@
+//! Cuts of which some parts are selected anew, because only some leaves have new values.
+//!
+//! Leaves are renewed by granules, the nodes of one depth: whether a granule is stale depends on no cut. So where values come back,
+//! the same nodes come back. A node of a cut above the granules is renewed whole if one of its granules is stale.
+
+use super::packed::depth;
+use std::ops::Range;
+
+/// A part of a cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutPart {
+    /// A node that stays, packed.
+    Kept(u16),
+    /// The leaves below a node, by its heap index, to be selected anew.
+    Stale(usize),
+}
+
+impl CutPart {
+    /// The whole tree, to be selected anew.
+    pub const ALL: [Self; 1] = [Self::Stale(1)];
+}
+
+/// The parts of a cut over a tree of `height`, left to right. `is_stale` has one entry per granule.
+pub fn cut_parts(height: u32, cut: &[u16], is_stale: &[bool]) -> Vec<CutPart> {
+    let granules = is_stale.len().ilog2();
+    let (mut parts, mut first) = (Vec::new(), 0_usize);
+    for &node in cut {
+        let depth = depth(node);
+        // The node itself, or the granule that contains it.
+        let root = (1 << depth.min(granules)) + (first >> (height - depth.min(granules)));
+        let below = granules - depth.min(granules);
+        let start = (root << below) - is_stale.len();
+        match is_stale[start..start + (1 << below)].contains(&true) {
+            false => parts.push(CutPart::Kept(node)),
+            true if parts.last() != Some(&CutPart::Stale(root)) => parts.push(CutPart::Stale(root)),
+            true => (),
+        }
+        first += 1 << (height - depth);
+    }
+    parts
+}
+
+/// The leaves below a node of a tree of `height`, by its heap index.
+pub fn leaves_below(height: u32, node: usize) -> Range<usize> {
+    let below = height - node.ilog2();
+    let start = (node << below) - (1 << height);
+    start..start + (1 << below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector},
+        ray::OPEN,
+    };
+
+    const HEIGHT: u32 = 10;
+
+    /// Runs of light and dark, some of them elsewhere in `range`.
+    fn leaves(seed: u64, range: Range<usize>, other: u64) -> Vec<u8> {
+        let runs = |seed| {
+            let mut rng = fastrand::Rng::with_seed(seed);
+            let mut all = Vec::new();
+            while all.len() < 1 << HEIGHT {
+                all.extend(std::iter::repeat_n(if rng.bool() { OPEN } else { 0 }, rng.usize(1..90)));
+            }
+            all
+        };
+        let (mut all, others) = (runs(seed), runs(other));
+        all.truncate(1 << HEIGHT);
+        all[range.clone()].copy_from_slice(&others[range]);
+        all
+    }
+
+    fn stale(range: &Range<usize>) -> Vec<bool> {
+        (0..32).map(|granule| granule * 32 < range.end && range.start < (granule + 1) * 32).collect()
+    }
+
+    #[test]
+    fn a_renewed_cut_is_a_new_one_or_finer_and_values_that_come_back_bring_back_the_cut() {
+        let criterion = CutCriterion { sigma: 1.0, ..CutCriterion::default() };
+        let mut selector = CutSelector::new(HEIGHT, criterion);
+        let mut whole = |leaves: &[u8]| {
+            let mut cut = Vec::new();
+            selector.select(leaves, &mut cut);
+            cut
+        };
+        let mut longer = 0.0;
+        for seed in 0..50 {
+            let range = 300 + seed as usize..420 + seed as usize;
+            let (before, now) = (leaves(seed, 0..0, 0), leaves(seed, range.clone(), seed + 99));
+            let renewed = |old: &[u16], leaves: &[u8], stale: &[bool]| {
+                let parts = cut_parts(HEIGHT, old, stale);
+                // Leaves that are not renewed are unknown.
+                let mut known = vec![OPEN / 2; 1 << HEIGHT];
+                for part in &parts {
+                    if let CutPart::Stale(node) = part {
+                        let below = leaves_below(HEIGHT, *node);
+                        known[below.clone()].copy_from_slice(&leaves[below]);
+                    }
+                }
+                let mut cut = Vec::new();
+                CutSelector::new(HEIGHT, criterion).select_parts(&known, &parts, &mut cut);
+                cut
+            };
+            let (old, new) = (whole(&before), whole(&now));
+            let there = renewed(&old, &now, &stale(&range));
+            assert!(crate::cut::validate_depths(HEIGHT, there.iter().map(|&node| depth(node))).is_ok());
+            let error = |cut: &[u16]| crate::cut::squared_error(HEIGHT, cut, &now);
+            assert!(error(&there) <= error(&new) + 1e-3, "{} {}", error(&there), error(&new));
+            longer += there.len() as f32 / new.len() as f32 / 50.0;
+            assert_eq!(renewed(&there, &before, &stale(&range)), old);
+            let forgotten = stale(&(range.start..range.start + 1));
+            assert!(before == now || renewed(&there, &before, &forgotten) != old, "negative control");
+        }
+        assert!(longer < 1.15, "{longer}");
+    }
+
+    #[test]
+    fn cuts_of_solid_angles_are_renewed_as_those_of_visibility_are() {
+        let criterion = SourceCriterion { sigma: 0.5, max_solid_angle: 0.3, contrast: 0.1 };
+        let angles = |leaves: Vec<u8>| -> Vec<f32> { leaves.into_iter().map(|v| f32::from(v) * 1e-5).collect() };
+        let range = 200..333;
+        let (before, now) = (angles(leaves(1, 0..0, 0)), angles(leaves(1, range.clone(), 7)));
+        let select = |leaves: &[f32], parts: &[CutPart]| {
+            let mut cut = Vec::new();
+            SourceCutSelector::new(HEIGHT, criterion).select_parts(leaves, parts, &mut cut);
+            cut
+        };
+        let old = select(&before, &CutPart::ALL);
+        let there = select(&now, &cut_parts(HEIGHT, &old, &stale(&range)));
+        assert!(there != old);
+        assert_eq!(select(&before, &cut_parts(HEIGHT, &there, &stale(&range))), old);
+        assert!(cut_parts(HEIGHT, &old, &[false; 32]).iter().all(|part| matches!(part, CutPart::Kept(_))));
+    }
+}

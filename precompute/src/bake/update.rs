@@ -1,0 +1,237 @@
+//! A dataset after an edit of its scene: cuts are baked anew where the edit reaches, and only there.
+//!
+//! An edit changes light only along rays that meet the boxes of what changed, before or after it. Each point keeps the nodes whose
+//! rays meet none. Mesh, tree and sources stay those of the bake, and ride along with their objects.
+
+mod change;
+mod reach;
+mod renewed;
+
+use super::{
+    clock::Clock,
+    phases::{
+        chunks::{CutMaker, bake_chunk},
+        geometry::Geometry,
+        pack::{Packed, pack},
+        point_cuts::PointCuts,
+    },
+};
+use crate::{
+    errors::{BakeError, CutsOf},
+    meshless::meshless_bake,
+    observer::{Observer, Phase},
+    sources::sampler::SourceSampler,
+    vertices::{points::BakePoint, sidedness::classify},
+};
+use change::Change;
+use glam::Vec3;
+use lapidary_core::{
+    dataset::{BakeReport, BakeRun, Dataset, MeshlessReport},
+    memory,
+    mesh::Mesh,
+    mesh_surface::MeshSurface,
+    meshless::{MeshlessBake, ObjectBases, Owner},
+    scene::{Scene, pose::check_objects},
+    sources::{IndirectBake, Source},
+    surfel::Surfel,
+};
+use renewed::{OldCuts, RenewedEnvironment, RenewedSources};
+use std::sync::Arc;
+
+/// The dataset of an edited scene, which has the same triangles, objects and materials. Objects may have moved, opacities may have
+/// changed. Settings of the bake stay.
+///
+/// # Errors
+/// [`BakeError::Cancelled`], or more cuts than a texture holds.
+pub fn update(dataset: Dataset, scene: Scene, observer: &dyn Observer) -> Result<Dataset, BakeError> {
+    check_objects(&scene).map_err(BakeError::Pose)?;
+    let change = Change::between(&dataset.scene, &scene);
+    if change.is_nothing() {
+        return Ok(Dataset { scene, ..dataset });
+    }
+    let mut clock = Clock::new(observer, 0.0);
+    let before = dataset.clone();
+    let mut geometry = Geometry::of_dataset(Dataset { scene, ..dataset });
+    bury_again(&mut geometry, &change, observer)?;
+    let updating = Updating { before: &before, geometry: &geometry, change: &change };
+    let environment = updating.environment(&mut clock)?;
+    let indirect = updating.sources(&mut clock)?;
+    let object_bases = before.object_bases.as_deref().map(|bases| updating.object_bases(bases)).transpose()?;
+    let meshless = updating.meshless(&mut clock)?;
+    let vertex_valid = geometry.vertex_valid();
+    let mut report = BakeReport {
+        buried_points: geometry.buried.iter().filter(|&&buried| buried).count(),
+        bake_points: geometry.bake_points(),
+        ..before.report.clone()
+    };
+    let mut updated = Dataset { scene: geometry.scene, vertex_valid, ..before.clone() };
+    if let Some(packed) = environment {
+        report = BakeReport {
+            mean_cut: packed.mean_cut(),
+            max_cut: packed.max_cut,
+            bytes_cuts: packed.bytes(),
+            rays_traced: packed.rays,
+            cut_size_histogram: packed.histogram,
+            ..report
+        };
+        updated.cuts = packed.cuts;
+    }
+    if let (Some((bake, [seen, sky])), Some(report)) = (indirect, &mut report.indirect) {
+        (report.mean_cut, report.max_cut, report.mean_environment_cut) = (seen.0, seen.1, sky.0);
+        (report.rays_traced, report.bytes_cuts) = (seen.2, seen.3 + sky.3);
+        report.area = bake.sources.iter().map(|source| f64::from(source.area)).sum();
+        updated.indirect = Some(bake);
+    }
+    updated.object_bases = object_bases.map(Arc::new);
+    if let Some((bake, meshless)) = meshless {
+        (updated.meshless, report.meshless) = (Some(bake.into()), Some(meshless));
+    }
+    updated.report = report;
+    updated.report.bytes_total = updated.tensor_bytes();
+    let run = BakeRun { seconds: clock.finish(), peak_memory_bytes: memory::peak(), ..BakeRun::default() };
+    updated.report.run = Some(run);
+    Ok(updated)
+}
+
+/// Looks again which points are buried where something was or is.
+fn bury_again(geometry: &mut Geometry, change: &Change, observer: &dyn Observer) -> Result<(), BakeError> {
+    let sides = classify(&geometry.scene);
+    let now = geometry.points.buried(&geometry.intersector, &sides, observer)?;
+    for ((buried, now), point) in geometry.buried.iter_mut().zip(now).zip(&geometry.points.points) {
+        if change.reaches(point.position) {
+            *buried = now;
+        }
+    }
+    Ok(())
+}
+
+/// Inputs of an update.
+struct Updating<'a> {
+    before: &'a Dataset,
+    /// After the edit.
+    geometry: &'a Geometry,
+    change: &'a Change,
+}
+
+/// Mean and largest length of cuts, rays, and bytes.
+type CutFigures = (f64, usize, u64, u64);
+
+fn figures(packed: &Packed) -> CutFigures {
+    (packed.mean_cut(), packed.max_cut, packed.rays, packed.bytes())
+}
+
+impl Updating<'_> {
+    /// The vertices' cuts over the environment; `None` if they were not baked.
+    fn environment(&self, clock: &mut Clock) -> Result<Option<Packed>, BakeError> {
+        let Self { before, geometry, change } = *self;
+        if !before.settings.mode.environment() {
+            return Ok(None);
+        }
+        let of_point = self.vertex_of_points();
+        let old = OldCuts::new(&before.cuts, before.tree.height(), of_point);
+        let maker = RenewedEnvironment::new(before, &geometry.intersector, (&geometry.points.points, old), change);
+        let cuts = renewed(&maker, Phase::Visibility, clock)?;
+        Ok(Some(pack(&cuts, None, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?))
+    }
+
+    /// For each point a vertex that has it; one that did not move, if there is any.
+    fn vertex_of_points(&self) -> Vec<Option<u32>> {
+        let mut of_point = vec![None; self.geometry.bake_points()];
+        for (vertex, &point) in (0..).zip(&self.geometry.points.of_vertex) {
+            if !self.change.has_moved(vertex) {
+                of_point[point as usize] = Some(vertex);
+            }
+        }
+        of_point
+    }
+
+    /// Sources where they are now, with both kinds of cuts.
+    fn sources(&self, clock: &mut Clock) -> Result<Option<(IndirectBake, [CutFigures; 2])>, BakeError> {
+        let Self { before, geometry, change } = *self;
+        let Some(bake) = &before.indirect else { return Ok(None) };
+        let offset = self.surface().offset();
+        let sources: Vec<Source> = bake.sources.iter().map(|source| self.carried(source)).collect();
+        let receivers =
+            geometry.points.for_sources(&geometry.scene.mesh, &geometry.intersector, &before.settings.shots);
+        let report = before.report.indirect.as_ref();
+        let per_probe = report.map_or(1, |report| report.sources_per_probe());
+        let sampler = SourceSampler::new(&geometry.intersector, &sources, offset, per_probe);
+        let of_point = self.vertex_of_points();
+        let old = OldCuts::new(&bake.cuts, bake.sources.len().ilog2(), of_point);
+        let maker = RenewedSources::new(before, sampler, (&sources, &bake.sources), (&receivers, old), change);
+        let cuts = renewed(&maker, Phase::SourceVisibility, clock)?;
+        let seen = pack(&cuts, None, geometry.points.of_vertex.iter().copied(), CutsOf::Sources)?;
+        let points: Vec<BakePoint> = sources.iter().map(|source| BakePoint::of_surfel(source.surfel, offset)).collect();
+        let is_still = |i: u32| (sources[i as usize].surfel == bake.sources[i as usize].surfel).then_some(i);
+        let old = OldCuts::new(
+            &bake.environment_cuts,
+            before.tree.height(),
+            (0..sources.len() as u32).map(is_still).collect(),
+        );
+        let sky = match before.settings.mode.environment() {
+            true => {
+                let maker = RenewedEnvironment::new(before, &geometry.intersector, (&points, old), change);
+                let cuts = renewed(&maker, Phase::SourceEnvironment, clock)?;
+                pack(&cuts, None, 0..sources.len() as u32, CutsOf::SourceEnvironment)?
+            }
+            false => {
+                pack(&PointCuts::unbaked(sources.len()), None, 0..sources.len() as u32, CutsOf::SourceEnvironment)?
+            }
+        };
+        let told = [figures(&seen), figures(&sky)];
+        Ok(Some((IndirectBake { sources, cuts: seen.cuts, environment_cuts: sky.cuts }, told)))
+    }
+
+    /// A source on its triangle after the edit.
+    fn carried(&self, source: &Source) -> Source {
+        let [before, now] = [&self.before.scene.mesh, &self.geometry.scene.mesh];
+        let triangle = source.surfel.place.triangle as usize;
+        let corners = |mesh: &Mesh| mesh.corners(triangle);
+        if corners(before) == corners(now) {
+            return *source;
+        }
+        let back = before.area_vector(triangle).dot(source.surfel.normal) < 0.0;
+        let growth = now.area_vector(triangle).length() / before.area_vector(triangle).length().max(f32::MIN_POSITIVE);
+        Source {
+            surfel: now.surfel(triangle as u32, source.surfel.place.barycentric, back),
+            area: source.area * growth,
+            spacing: source.spacing * growth.sqrt(),
+        }
+    }
+
+    /// The functions of objects where they are now.
+    fn object_bases(&self, bases: &ObjectBases) -> Result<ObjectBases, BakeError> {
+        let mesh = &self.geometry.scene.mesh;
+        let place =
+            |(point, owner): (&Surfel, &Owner)| mesh.surfel(point.place.triangle, point.place.barycentric, owner.back);
+        let points = bases.points().iter().zip(bases.owners()).map(place).collect();
+        let (owners, offsets) = (bases.owners().to_vec(), bases.offsets().to_vec());
+        Ok(ObjectBases::from_parts(points, owners, offsets, bases.radii().to_vec(), bases.sender_level())?)
+    }
+
+    /// The meshless basis, whose links cross the whole scene: it is baked anew.
+    fn meshless(&self, clock: &mut Clock) -> Result<Option<(MeshlessBake, MeshlessReport)>, BakeError> {
+        let Some(report) = self.before.report.meshless.as_ref().filter(|_| self.before.meshless.is_some()) else {
+            return Ok(None);
+        };
+        let (settings, observer) = (&self.before.settings.meshless, clock.observer);
+        clock.time(Phase::Transport, settings.expected_functions(), "functions", || {
+            meshless_bake(&self.surface(), report.viewpoint.into(), settings, observer).map(Some)
+        })
+    }
+
+    fn surface(&self) -> MeshSurface<'_> {
+        let Geometry { scene, intersector, sides, .. } = self.geometry;
+        MeshSurface::new(&scene.mesh, intersector, &sides.two_sided, &|_| Vec3::ZERO)
+    }
+}
+
+/// The cuts of all points of a maker, timed.
+fn renewed<M: CutMaker>(maker: &M, phase: Phase, clock: &mut Clock) -> Result<PointCuts<'static>, BakeError> {
+    let observer = clock.observer;
+    let chunk =
+        clock.time(phase, maker.points() as u64, "points", || bake_chunk(maker, 0..maker.points(), observer))?;
+    let mut cuts = PointCuts::new(maker.height());
+    cuts.push(chunk);
+    Ok(cuts)
+}

@@ -1,0 +1,188 @@
+//! Cuts of points, renewed where an edit reaches.
+
+use super::{
+    change::Change,
+    reach::{LightReach, SourceReach},
+};
+use crate::{
+    bake::phases::chunks::{CutMaker, MadeCut},
+    errors::BakeError,
+    sources::sampler::{SourceSampler, SourceScratch},
+    vertices::{points::BakePoint, visibility::VisibilitySampler},
+};
+use lapidary_core::{
+    cut::{
+        CutCriterion, CutPart, CutSelector, SourceCriterion, SourceCutSelector, cut_parts, leaves_below,
+        packed::PackedCuts,
+    },
+    dataset::Dataset,
+    ray::{BoundaryTracer, Intersector},
+    sources::Source,
+};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The cuts before an edit.
+pub struct OldCuts<'a> {
+    cuts: &'a PackedCuts,
+    height: u32,
+    /// The cut of each point; none for one that moved.
+    of_point: Vec<Option<u32>>,
+}
+
+impl<'a> OldCuts<'a> {
+    /// Cuts over a tree of `height`.
+    pub fn new(cuts: &'a PackedCuts, height: u32, of_point: Vec<Option<u32>>) -> Self {
+        Self { cuts, height, of_point }
+    }
+
+    fn of(&self, point: usize) -> Option<&[u16]> {
+        self.of_point[point].map(|cut| self.cuts.cut(self.height, cut))
+    }
+
+    /// The parts of a point's cut; `stale` tells which granules the edit reaches.
+    fn parts(&self, point: usize, stale: impl FnOnce() -> Vec<bool>) -> Vec<CutPart> {
+        self.of(point).map_or(CutPart::ALL.to_vec(), |cut| cut_parts(self.height, cut, &stale()))
+    }
+}
+
+/// Marks the leaves below stale parts. Returns whether there are any.
+fn mark(height: u32, parts: &[CutPart], marked: &mut [bool]) -> bool {
+    marked.fill(false);
+    let mut any = false;
+    for part in parts {
+        if let CutPart::Stale(node) = part {
+            marked[leaves_below(height, *node)].fill(true);
+            any = true;
+        }
+    }
+    any
+}
+
+fn kept(old: &OldCuts, point: usize) -> MadeCut {
+    (old.of(point).expect("only a known cut is kept").to_vec(), 0.0, 0)
+}
+
+/// Visibility of the environment's lights.
+pub struct RenewedEnvironment<'a> {
+    points: &'a [BakePoint],
+    old: OldCuts<'a>,
+    reach: LightReach<'a>,
+    sampler: VisibilitySampler<'a>,
+    criterion: CutCriterion,
+}
+
+impl<'a> RenewedEnvironment<'a> {
+    /// For points with their cuts before the edit. Bounds are those that the bake held.
+    pub fn new(
+        before: &'a Dataset,
+        scene: &'a Intersector,
+        (points, old): (&'a [BakePoint], OldCuts<'a>),
+        change: &'a Change,
+    ) -> Self {
+        let criterion = before.settings.criterion;
+        Self {
+            points,
+            old,
+            reach: LightReach::new(before.tree.leaf_directions(), change),
+            sampler: VisibilitySampler::new(scene, &before.tree, before.report.lights_per_probe()),
+            criterion: CutCriterion { sigma: before.report.sigma.max(criterion.sigma), ..criterion },
+        }
+    }
+}
+
+impl CutMaker for RenewedEnvironment<'_> {
+    fn points(&self) -> usize {
+        self.points.len()
+    }
+
+    fn height(&self) -> u32 {
+        self.old.height
+    }
+
+    fn make(&self, points: Range<usize>) -> Result<Vec<MadeCut>, BakeError> {
+        let leaves = self.sampler.len();
+        let scratch = || {
+            let selector = CutSelector::new(self.old.height, self.criterion);
+            (selector, BoundaryTracer::default(), vec![0; leaves], vec![false; leaves])
+        };
+        type Buffers = (CutSelector, BoundaryTracer, Vec<u8>, Vec<bool>);
+        let one = |(selector, tracer, visible, marked): &mut Buffers, point: usize| {
+            let mut stale = Vec::new();
+            let mut parts = self.old.parts(point, || {
+                self.reach.stale(&self.points[point], &mut stale);
+                stale
+            });
+            if !mark(self.old.height, &parts, marked) {
+                return kept(&self.old, point);
+            }
+            if !self.criterion.is_local(leaves) {
+                parts = CutPart::ALL.to_vec();
+                marked.fill(true);
+            }
+            let rays = self.sampler.sample_some(&self.points[point], Some(marked), tracer, visible);
+            let mut cut = Vec::new();
+            let squared_error = selector.select_parts(visible, &parts, &mut cut);
+            (cut, squared_error, rays)
+        };
+        Ok(points.into_par_iter().map_init(scratch, one).collect())
+    }
+}
+
+/// Solid angles of the surface sources.
+pub struct RenewedSources<'a> {
+    points: &'a [BakePoint],
+    old: OldCuts<'a>,
+    reach: SourceReach<'a>,
+    sampler: SourceSampler<'a>,
+    criterion: SourceCriterion,
+}
+
+impl<'a> RenewedSources<'a> {
+    /// For points with their cuts before the edit, and sources after and before it.
+    pub fn new(
+        before: &'a Dataset,
+        sampler: SourceSampler<'a>,
+        (sources, sources_before): (&'a [Source], &[Source]),
+        (points, old): (&'a [BakePoint], OldCuts<'a>),
+        change: &'a Change,
+    ) -> Self {
+        let asked = before.settings.indirect.criterion;
+        let criterion = before.report.indirect.as_ref().map_or(asked, |report| report.criterion(asked));
+        Self { points, old, reach: SourceReach::new(sources, sources_before, change), sampler, criterion }
+    }
+}
+
+impl CutMaker for RenewedSources<'_> {
+    fn points(&self) -> usize {
+        self.points.len()
+    }
+
+    fn height(&self) -> u32 {
+        self.old.height
+    }
+
+    fn make(&self, points: Range<usize>) -> Result<Vec<MadeCut>, BakeError> {
+        let sources = self.sampler.len();
+        let scratch = || {
+            let selector = SourceCutSelector::new(self.old.height, self.criterion);
+            (selector, SourceScratch::default(), vec![0.0; sources], vec![false; sources])
+        };
+        type Buffers = (SourceCutSelector, SourceScratch, Vec<f32>, Vec<bool>);
+        let one = |(selector, scratch, seen, marked): &mut Buffers, point: usize| {
+            let mut stale = Vec::new();
+            let parts = self.old.parts(point, || {
+                self.reach.stale(&self.points[point], &mut stale);
+                stale
+            });
+            if !mark(self.old.height, &parts, marked) {
+                return kept(&self.old, point);
+            }
+            let rays = self.sampler.sample_some(&self.points[point], |source| marked[source], scratch, seen);
+            let mut cut = Vec::new();
+            selector.select_parts(seen, &parts, &mut cut);
+            (cut, 0.0, rays)
+        };
+        Ok(points.into_par_iter().map_init(scratch, one).collect())
+    }
+}
