@@ -42,6 +42,9 @@ pub struct BakeReport {
     /// Whether a graphics device traced the environment; its rays along edges may fall to either side.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub on_device: bool,
+    /// How often cuts were baked anew where an edit reached. They may then be finer than those of a whole bake.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub updates: u32,
     /// The baked parts.
     pub mode: BakeParts,
     /// Report of the surface sources.
@@ -65,6 +68,10 @@ pub struct BakeReport {
     pub cut_size_histogram: Vec<u64>,
     /// Warnings of the import and the bake.
     pub warnings: Vec<String>,
+}
+
+fn is_zero(number: &u32) -> bool {
+    *number == 0
 }
 
 /// Cost of a bake on the machine that ran it.

@@ -2,7 +2,7 @@
 
 mod audit;
 pub mod bounces;
-mod chunks;
+pub mod chunks;
 pub mod environment;
 pub mod fit;
 pub mod geometry;

@@ -33,7 +33,7 @@ use lapidary_core::{
     meshless::{MeshlessBake, ObjectBases, Owner},
     scene::{Scene, pose::check_objects},
     sources::{IndirectBake, Source},
-    surfel::Surfel,
+    surfel::{Surface, Surfel},
 };
 use renewed::{OldCuts, RenewedEnvironment, RenewedSources};
 use std::sync::Arc;
@@ -44,16 +44,26 @@ use std::sync::Arc;
 /// # Errors
 /// [`BakeError::Cancelled`], or more cuts than a texture holds.
 pub fn update(dataset: Dataset, scene: Scene, observer: &dyn Observer) -> Result<Dataset, BakeError> {
-    check_objects(&scene).map_err(BakeError::Pose)?;
     let change = Change::between(&dataset.scene, &scene);
+    update_where(dataset, scene, &change, observer)
+}
+
+/// [`update`] where a change reaches.
+fn update_where(
+    dataset: Dataset,
+    scene: Scene,
+    change: &Change,
+    observer: &dyn Observer,
+) -> Result<Dataset, BakeError> {
+    check_objects(&scene).map_err(BakeError::Pose)?;
     if change.is_nothing() {
         return Ok(Dataset { scene, ..dataset });
     }
     let mut clock = Clock::new(observer, 0.0);
     let before = dataset.clone();
     let mut geometry = Geometry::of_dataset(Dataset { scene, ..dataset });
-    bury_again(&mut geometry, &change, observer)?;
-    let updating = Updating { before: &before, geometry: &geometry, change: &change };
+    bury_again(&mut geometry, change, observer)?;
+    let updating = Updating { before: &before, geometry: &geometry, change };
     let environment = updating.environment(&mut clock)?;
     let indirect = updating.sources(&mut clock)?;
     let object_bases = before.object_bases.as_deref().map(|bases| updating.object_bases(bases)).transpose()?;
@@ -62,6 +72,7 @@ pub fn update(dataset: Dataset, scene: Scene, observer: &dyn Observer) -> Result
     let mut report = BakeReport {
         buried_points: geometry.buried.iter().filter(|&&buried| buried).count(),
         bake_points: geometry.bake_points(),
+        updates: before.report.updates + 1,
         ..before.report.clone()
     };
     let mut updated = Dataset { scene: geometry.scene, vertex_valid, ..before.clone() };
@@ -235,3 +246,6 @@ fn renewed<M: CutMaker>(maker: &M, phase: Phase, clock: &mut Clock) -> Result<Po
     cuts.push(chunk);
     Ok(cuts)
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@ use super::{Again, MOST_ERROR_OF_FEW};
 use crate::vertices::{points::BakePoint, visibility::VisibilitySampler};
 use lapidary_core::{
     cut::{CutSelector, squared_error},
-    dataset::Dataset,
+    dataset::{BakeReport, Dataset},
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -50,7 +50,7 @@ impl EnvironmentVerification {
         let report = &dataset.report;
         // A byte budget coarsens cuts afterwards, so only their errors are compared.
         let agrees = match report.sigma == dataset.settings.criterion.sigma {
-            true => agree(&results, lights, report.on_device),
+            true => agree(&results, lights, report),
             false => rms_visibility < 4.0 * report.rms_visibility.max(0.02),
         };
         Self {
@@ -110,11 +110,12 @@ pub(super) fn check_cut(dataset: &Dataset, sampler: &VisibilitySampler, point: &
 }
 
 /// Whether the cuts equal the stored ones and are hardly worse than an exhaustive bake's. Cuts traced on a device need not be
-/// equal, because one ray along an edge changes a cut; they must be as good.
-pub(super) fn agree(cuts: &[Checked], lights: f64, on_device: bool) -> bool {
-    let along_edges = if on_device { ALONG_EDGES } else { 0.0 };
+/// equal, because one ray along an edge changes a cut, nor those of an update, which may be finer; they must be as good.
+pub(super) fn agree(cuts: &[Checked], lights: f64, report: &BakeReport) -> bool {
+    let may_differ = report.on_device || report.updates > 0;
+    let along_edges = if report.on_device { ALONG_EDGES } else { 0.0 };
     let least = MOST_ERROR_OF_FEW * MOST_ERROR_OF_FEW * mean(cuts, |c| c.squared_error_exhaustive, lights);
-    (on_device || different(cuts) == 0) && mean(cuts, |c| c.squared_error, lights) <= least + along_edges
+    (may_differ || different(cuts) == 0) && mean(cuts, |c| c.squared_error, lights) <= least + along_edges
 }
 
 pub(super) fn different(cuts: &[Checked]) -> usize {

@@ -66,9 +66,9 @@ impl SourcesVerification {
         let different_source_cuts = checked.iter().filter(|c| !c.is_equal).count();
         let pairs = (vertices.len() * indirect.sources.len()).max(1);
         let few = vertices.len() < ENOUGH;
-        let agrees = different_source_cuts == 0
+        let agrees = (different_source_cuts == 0 || dataset.report.updates > 0)
             && (few || source_error <= MOST_ERROR_OF_FEW * exhaustive_source_error)
-            && agree(&environments, dataset.tree.len() as f64, dataset.report.on_device);
+            && agree(&environments, dataset.tree.len() as f64, &dataset.report);
         Self {
             source_vertices: vertices.len(),
             different_source_cuts,

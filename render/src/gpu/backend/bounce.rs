@@ -13,7 +13,6 @@ use crate::{
     view::View,
     view_mode::ViewMode,
 };
-use glam::Vec3;
 use std::sync::Arc;
 
 /// Bounced light as it is shown, with what is uploaded of it.

@@ -15,7 +15,7 @@ use lapidary_core::{
     material::BrdfModel,
     scene::{
         Object, Scene,
-        pose::{Objects, Pose},
+        pose::{MOST_OBJECTS, Objects, Pose},
     },
 };
 
@@ -229,7 +229,7 @@ fn a_vertex_of_two_objects_goes_with_the_first_and_only_then_has_moved() {
 #[test]
 fn too_many_objects_are_refused_and_shown_as_they_were_baked() {
     let mut as_baked = blocked(white(), 4);
-    as_baked.scene.objects.resize(pose::MOST_OBJECTS + 1, Object { name: "one of many".into() });
+    as_baked.scene.objects.resize(MOST_OBJECTS + 1, Object { name: "one of many".into() });
     let mut look = Look::under_environment(&as_baked.scene, from_above(16), sky());
     let mut scene = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), as_baked.into()).unwrap();
     let before = scene.show_whole(&look).unwrap().image;
