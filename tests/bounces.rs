@@ -191,3 +191,28 @@ fn environment_and_meshless_basis_without_sources_light_a_picture_together() {
     assert!(environment.min_element() > 0.0 && bounces.min_element() > 0.0, "{environment} {bounces}");
     assert!((both / (environment + bounces) - 1.0).abs().max_element() < 1e-3, "{both} of {environment} and {bounces}");
 }
+
+/// The short block of the color box moved aside.
+const MOVE: &str = r#"{"objects": {"Short block": {"translate": [0.25, 0, 0.1]}}}"#;
+
+#[test]
+fn light_solved_anew_is_that_of_paths_as_baked_and_after_a_move() {
+    let folder = Folder::new();
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
+    folder.write("move.json", MOVE.into());
+    let bake = BAKE.replace("indirect", "radiosity --functions 20000 --object-levels 5");
+    folder.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {bake}"));
+    let measured = |pose: &str| {
+        let options = "--env none --size 48x36 --spp 512 --aa 16 --no-samples --out truth --quiet";
+        folder.succeed(&format!("bounces box.cuts --solution radiosity {options} {pose}"));
+        let row = folder.json("truth/bounces.json")["solutions"][0].clone();
+        let picture = |name: &str| squares(&folder, &format!("truth/radiosity{name}.exr"));
+        (row["error"].as_f64().unwrap(), row["energy"].as_f64().unwrap(), picture(""), picture("-paths"))
+    };
+    let (error, energy, as_baked, _) = measured("");
+    assert!(error < 0.11 && (energy - 1.0).abs() < 0.09, "{error} {energy}");
+    let (error, energy, moved, paths) = measured("--pose move.json");
+    assert!(error < 0.11 && (energy - 1.0).abs() < 0.09, "{error} {energy}");
+    let ([right, forgotten], by) = ([&moved, &as_baked].map(|test| difference(test, &paths).0), 0.03);
+    assert!(forgotten > right + by, "negative control, the pose is forgotten: {forgotten} {right}");
+}

@@ -1,6 +1,7 @@
 //! The bake: begun, followed and shown, with its panel. The driver itself is in [`lapidary_studies::jobs::bake`].
 
 mod begin;
+mod edited;
 mod follow;
 mod ground;
 mod kept;

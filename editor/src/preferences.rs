@@ -26,6 +26,8 @@ pub struct Preferences {
     pub inspector_width: f32,
     /// Whether a scene without a bake is baked when it opens.
     pub bakes_scenes: bool,
+    /// Whether cuts are baked anew by themselves where a moved object or an edited opacity reaches.
+    pub follows_edits: bool,
     /// Folders in which file dialogs begin.
     pub folders: LastFolders,
     /// Folders whose scenes and materials may name files elsewhere.
@@ -145,6 +147,7 @@ impl Default for Preferences {
             side_width: 230.0,
             inspector_width: 340.0,
             bakes_scenes: true,
+            follows_edits: true,
             folders: LastFolders::default(),
             outside: AllowedFolders::default(),
         }
@@ -208,6 +211,7 @@ impl Preferences {
             side_width: clamp(self.side_width, SIDE_WIDTHS, usual.side_width),
             inspector_width: clamp(self.inspector_width, INSPECTOR_WIDTHS, usual.inspector_width),
             bakes_scenes: self.bakes_scenes,
+            follows_edits: self.follows_edits,
             folders: self.folders,
             outside: self.outside,
         }
@@ -233,6 +237,7 @@ mod tests {
             ui_scale: 1.25,
             side_width: 300.0,
             bakes_scenes: false,
+            follows_edits: false,
             folders,
             outside,
             ..Default::default()

@@ -233,6 +233,12 @@ fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     if automatic.on_hover_text("Bakes a draft, then the full bake, at low priority. The cache keeps both.").clicked() {
         actions.push(Action::Preferences(Preferences { bakes_scenes, ..state.work.preferences.clone() }));
     }
+    let mut follows_edits = state.work.preferences.follows_edits;
+    let follows = ui.checkbox(&mut follows_edits, "Bake anew after a move");
+    let help = "Bakes shadows and bounced light anew where a moved object or an edited opacity reaches. The rest stays as baked.";
+    if follows.on_hover_text(help).clicked() {
+        actions.push(Action::Preferences(Preferences { follows_edits, ..state.work.preferences.clone() }));
+    }
 }
 
 fn help(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {

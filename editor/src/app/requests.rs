@@ -20,6 +20,7 @@ impl EditorState {
         // A clip may play for hours.
         self.baking.hold(is_dragging);
         let moving = is_dragging || self.pose.timeline.playing;
+        self.baking.follow_edits(&mut self.work, moving);
         self.picture
             .render
             .set_preview(self.work.scene.seen() == BakeStage::Unshadowed && self.baking.progress().is_some());

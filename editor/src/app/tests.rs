@@ -76,7 +76,7 @@ impl Place {
         let home = self.path("home");
         let folders = Folders { config: home.join("config"), state: home.join("state"), cache: home.join("cache") };
         // Tests start bakes themselves.
-        let quiet = Preferences { bakes_scenes: false, ..Preferences::load(&folders.config).0 };
+        let quiet = Preferences { bakes_scenes: false, follows_edits: false, ..Preferences::load(&folders.config).0 };
         quiet.save(&folders.config).unwrap();
         let setup = Setup {
             folders,

@@ -36,6 +36,10 @@ impl Baking {
         if self.run.is_some() {
             return work.messages.note(UNDER_WAY);
         }
+        let asked_anew = (order.asked_by, order.from) == (Asker::User, From::Beginning);
+        if asked_anew && self.update_instead(work, output.as_ref()) {
+            return;
+        }
         match self.task(work, order, output) {
             Ok(Some(task)) => self.begin(task, order, work.wake.clone()),
             // The user has been warned that a file would be overwritten.

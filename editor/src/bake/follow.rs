@@ -37,11 +37,12 @@ impl Baking {
                 }
                 BakeMessage::Done(baked) => {
                     work.messages.withdraw(UNDER_WAY);
-                    if let Some(run) = self.run.take() {
+                    if let Some(run) = self.run.take().filter(|run| run.of_poses.is_none()) {
                         note_bake(work, &run, baked.dataset.report.vertices);
                     }
                     show_baked(work, baked, false);
                 }
+                BakeMessage::Cancelled if self.run.as_ref().is_some_and(|run| run.is_overtaken) => self.run = None,
                 BakeMessage::Cancelled => self.end(work, Ended::Cancelled),
                 BakeMessage::Failed(error) => {
                     work.messages.error(format!("The bake failed: {error}"));

@@ -2,7 +2,7 @@
 
 use super::panel::{BakeStatus, Draft, line};
 use crate::workspace::BakeStage;
-use lapidary_core::{dataset::BakeParts, ground::Ground};
+use lapidary_core::{dataset::BakeParts, ground::Ground, scene::pose::Poses};
 use lapidary_precompute::{BakeJob, Leftover, Phase, ResolvedBake};
 use lapidary_studies::jobs::{
     Wake,
@@ -53,6 +53,10 @@ pub struct Run {
     pub has_ground: bool,
     /// Who asked for it.
     pub asked_by: Asker,
+    /// The poses of an update; `None` for a whole bake.
+    pub of_poses: Option<Poses>,
+    /// Another move has overtaken the update.
+    pub is_overtaken: bool,
 }
 
 /// Who asks for a bake.
@@ -98,7 +102,8 @@ impl Baking {
         let BakeJob { settings, output, .. } = &task.job;
         let (mode, has_ground, output) = (settings.mode, settings.ground != Ground::Off, output.clone());
         let job = BakeRun::start(task, wake);
-        self.run = Some(Run { job, mode, output, draft_shown: false, has_ground, asked_by: order.asked_by });
+        let (asked_by, of_poses, is_overtaken) = (order.asked_by, None, false);
+        self.run = Some(Run { job, mode, output, draft_shown: false, has_ground, asked_by, of_poses, is_overtaken });
         self.ended = None;
     }
 

@@ -26,7 +26,8 @@ use crate::{
 use change::Change;
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeReport, BakeRun, Dataset, MeshlessReport},
+    cut::packed::PackedCuts,
+    dataset::{BakeRun, Dataset, MeshlessReport},
     memory,
     mesh::Mesh,
     mesh_surface::MeshSurface,
@@ -43,65 +44,75 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`BakeError::Cancelled`], or more cuts than a texture holds.
-pub fn update(dataset: Dataset, scene: Scene, observer: &dyn Observer) -> Result<Dataset, BakeError> {
-    let change = Change::between(&dataset.scene, &scene);
-    update_where(dataset, scene, &change, observer)
+pub fn update(before: &Dataset, scene: Scene, observer: &dyn Observer) -> Result<Dataset, BakeError> {
+    let change = Change::between(&before.scene, &scene);
+    update_where(before, scene, &change, observer)
 }
 
 /// [`update`] where a change reaches.
 fn update_where(
-    dataset: Dataset,
+    before: &Dataset,
     scene: Scene,
     change: &Change,
     observer: &dyn Observer,
 ) -> Result<Dataset, BakeError> {
     check_objects(&scene).map_err(BakeError::Pose)?;
     if change.is_nothing() {
-        return Ok(Dataset { scene, ..dataset });
+        return Ok(Dataset { scene, ..before.clone() });
     }
     let mut clock = Clock::new(observer, 0.0);
-    let before = dataset.clone();
-    let mut geometry = Geometry::of_dataset(Dataset { scene, ..dataset });
+    let mut geometry = Geometry::of_dataset(without_parts(before, scene));
     bury_again(&mut geometry, change, observer)?;
-    let updating = Updating { before: &before, geometry: &geometry, change };
+    let updating = Updating { before, geometry: &geometry, change };
     let environment = updating.environment(&mut clock)?;
     let indirect = updating.sources(&mut clock)?;
     let object_bases = before.object_bases.as_deref().map(|bases| updating.object_bases(bases)).transpose()?;
     let meshless = updating.meshless(&mut clock)?;
-    let vertex_valid = geometry.vertex_valid();
-    let mut report = BakeReport {
-        buried_points: geometry.buried.iter().filter(|&&buried| buried).count(),
-        bake_points: geometry.bake_points(),
-        updates: before.report.updates + 1,
-        ..before.report.clone()
-    };
-    let mut updated = Dataset { scene: geometry.scene, vertex_valid, ..before.clone() };
-    if let Some(packed) = environment {
-        report = BakeReport {
-            mean_cut: packed.mean_cut(),
-            max_cut: packed.max_cut,
-            bytes_cuts: packed.bytes(),
-            rays_traced: packed.rays,
-            cut_size_histogram: packed.histogram,
-            ..report
-        };
-        updated.cuts = packed.cuts;
+    let (points, vertex_valid) = (geometry.bake_points(), geometry.vertex_valid());
+    let buried_points = geometry.buried.iter().filter(|&&buried| buried).count();
+    let mut updated = Dataset { vertex_valid, ..without_parts(before, geometry.scene) };
+    let report = &mut updated.report;
+    (report.bake_points, report.buried_points) = (points, buried_points);
+    report.updates += 1;
+    match environment {
+        Some(packed) => {
+            (report.mean_cut, report.max_cut, report.rays_traced) = (packed.mean_cut(), packed.max_cut, packed.rays);
+            (report.bytes_cuts, report.cut_size_histogram) = (packed.bytes(), packed.histogram);
+            updated.cuts = packed.cuts;
+        }
+        None => updated.cuts.clone_from(&before.cuts),
     }
     if let (Some((bake, [seen, sky])), Some(report)) = (indirect, &mut report.indirect) {
-        (report.mean_cut, report.max_cut, report.mean_environment_cut) = (seen.0, seen.1, sky.0);
-        (report.rays_traced, report.bytes_cuts) = (seen.2, seen.3 + sky.3);
+        (report.mean_cut, report.max_cut, report.mean_environment_cut) = (seen.mean, seen.longest, sky.mean);
+        (report.rays_traced, report.bytes_cuts) = (seen.rays, seen.bytes + sky.bytes);
         report.area = bake.sources.iter().map(|source| f64::from(source.area)).sum();
         updated.indirect = Some(bake);
     }
     updated.object_bases = object_bases.map(Arc::new);
-    if let Some((bake, meshless)) = meshless {
-        (updated.meshless, report.meshless) = (Some(bake.into()), Some(meshless));
+    if let Some((bake, of_basis)) = meshless {
+        (updated.meshless, report.meshless) = (Some(bake.into()), Some(of_basis));
     }
-    updated.report = report;
     updated.report.bytes_total = updated.tensor_bytes();
-    let run = BakeRun { seconds: clock.finish(), peak_memory_bytes: memory::peak(), ..BakeRun::default() };
-    updated.report.run = Some(run);
+    let peak_memory_bytes = memory::peak();
+    updated.report.run = Some(BakeRun { seconds: clock.finish(), peak_memory_bytes, ..BakeRun::default() });
     Ok(updated)
+}
+
+/// A dataset with another scene, and without the data of its parts.
+fn without_parts(before: &Dataset, scene: Scene) -> Dataset {
+    Dataset {
+        scene,
+        two_sided: before.two_sided.clone(),
+        vertex_valid: before.vertex_valid.clone(),
+        tree: before.tree.clone(),
+        cuts: PackedCuts::default(),
+        indirect: None,
+        meshless: None,
+        object_bases: None,
+        settings: before.settings.clone(),
+        scene_hash: before.scene_hash.clone(),
+        report: before.report.clone(),
+    }
 }
 
 /// Looks again which points are buried where something was or is.
@@ -124,11 +135,18 @@ struct Updating<'a> {
     change: &'a Change,
 }
 
-/// Mean and largest length of cuts, rays, and bytes.
-type CutFigures = (f64, usize, u64, u64);
+/// Figures of packed cuts for a report.
+struct CutFigures {
+    mean: f64,
+    longest: usize,
+    rays: u64,
+    bytes: u64,
+}
 
-fn figures(packed: &Packed) -> CutFigures {
-    (packed.mean_cut(), packed.max_cut, packed.rays, packed.bytes())
+impl CutFigures {
+    fn of(packed: &Packed) -> Self {
+        Self { mean: packed.mean_cut(), longest: packed.max_cut, rays: packed.rays, bytes: packed.bytes() }
+    }
 }
 
 impl Updating<'_> {
@@ -189,7 +207,7 @@ impl Updating<'_> {
                 pack(&PointCuts::unbaked(sources.len()), None, 0..sources.len() as u32, CutsOf::SourceEnvironment)?
             }
         };
-        let told = [figures(&seen), figures(&sky)];
+        let told = [&seen, &sky].map(CutFigures::of);
         Ok(Some((IndirectBake { sources, cuts: seen.cuts, environment_cuts: sky.cuts }, told)))
     }
 

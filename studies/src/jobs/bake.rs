@@ -14,7 +14,9 @@ use super::{
     spawn,
 };
 use lapidary_core::{dataset::Dataset, output::OutputError, scene::Scene, threads::on_threads};
-use lapidary_precompute::{BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Setting, bake, resolve};
+use lapidary_precompute::{
+    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Setting, bake, resolve, update,
+};
 use lapidary_render::Baked;
 use pace::PhasePace;
 use std::{
@@ -43,6 +45,21 @@ pub struct BakeTask {
     pub turn: Arc<Mutex<()>>,
     /// Folder in which the draft is written and then removed.
     pub cache: PathBuf,
+    /// User-visible name of a setting.
+    pub name_of: fn(Setting) -> &'static str,
+}
+
+/// A requested update of a bake after an edit; see [`update`].
+#[derive(Clone, Debug)]
+pub struct UpdateTask {
+    /// The bake before the edit.
+    pub before: Baked,
+    /// Its scene after the edit.
+    pub scene: Scene,
+    /// Where the result is written, if anywhere.
+    pub output: Option<PathBuf>,
+    /// As in [`BakeTask::turn`].
+    pub turn: Arc<Mutex<()>>,
     /// User-visible name of a setting.
     pub name_of: fn(Setting) -> &'static str,
 }
@@ -100,7 +117,21 @@ impl BakeRun {
         Self::start_with(task, wake, Arc::default())
     }
 
+    /// Starts an update.
+    pub fn update(task: UpdateTask, wake: Wake) -> Self {
+        Self::start_job(task.name_of, wake, Arc::default(), move |teller| run_update(task, teller))
+    }
+
     fn start_with(task: BakeTask, wake: Wake, cancel: Arc<AtomicBool>) -> Self {
+        Self::start_job(task.name_of, wake, cancel, move |teller| run(task, teller))
+    }
+
+    fn start_job(
+        name_of: fn(Setting) -> &'static str,
+        wake: Wake,
+        cancel: Arc<AtomicBool>,
+        work: impl FnOnce(&Teller) -> BakeMessage + Send + 'static,
+    ) -> Self {
         let (sender, messages) = channel();
         let progress: Arc<Mutex<BakeProgress>> = Arc::default();
         let door = Door::default();
@@ -112,11 +143,11 @@ impl BakeRun {
             wake,
             woken: Arc::default(),
             draft: false,
-            name_of: task.name_of,
+            name_of,
         };
         spawn("bake", move || {
             lower_priority();
-            let end = guarded("the bake", || Ok(run(task, &teller))).unwrap_or_else(BakeMessage::Failed);
+            let end = guarded("the bake", || Ok(work(&teller))).unwrap_or_else(BakeMessage::Failed);
             teller.tell(end);
         });
         Self { messages, progress, cancel, door, since: Instant::now(), pace: PhasePace::default() }
@@ -232,13 +263,38 @@ impl Observer for Teller {
     }
 }
 
+/// All cores: the picture has priority.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The message that ends a bake.
+fn ended(result: Result<Dataset, BakeError>, teller: &Teller) -> BakeMessage {
+    match result {
+        Ok(dataset) => BakeMessage::Done(Baked::from(dataset)),
+        Err(BakeError::Cancelled) => BakeMessage::Cancelled,
+        Err(error) => BakeMessage::Failed(error.text(teller.name_of)),
+    }
+}
+
+/// Bakes anew where the edit reaches.
+fn run_update(task: UpdateTask, teller: &Teller) -> BakeMessage {
+    let UpdateTask { before, scene, output, turn, .. } = task;
+    let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
+    let updated = on_threads(cores(), || {
+        let updated = update(&before.dataset, scene, teller)?;
+        output.map_or(Ok(()), |output| updated.write(&output))?;
+        Ok(updated)
+    });
+    ended(updated, teller)
+}
+
 /// Bakes the draft, if wanted, and then the dataset.
 fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
     // A panicked bake has released its turn too.
     let turn = task.turn.clone();
     let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
-    // Use all cores: the picture has priority.
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = cores();
     let draft_settings = first_draft(&task.job.settings, task.scene.mesh.positions.len());
     if task.progressive && !task.job.resume && *task.job.settings != draft_settings {
         let teller_of_draft = Teller { draft: true, ..teller.clone() };
@@ -255,11 +311,7 @@ fn run(task: BakeTask, teller: &Teller) -> BakeMessage {
             }
         }
     }
-    match on_threads(cores, || bake_whole(task, teller)) {
-        Ok(dataset) => BakeMessage::Done(Baked::from(dataset)),
-        Err(BakeError::Cancelled) => BakeMessage::Cancelled,
-        Err(error) => BakeMessage::Failed(error.text(teller.name_of)),
-    }
+    ended(on_threads(cores, || bake_whole(task, teller)), teller)
 }
 
 fn bake_whole(task: BakeTask, teller: &Teller) -> Result<Dataset, BakeError> {

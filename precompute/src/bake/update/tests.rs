@@ -83,7 +83,7 @@ fn after_a_move_every_node_has_the_value_of_its_rays_and_the_way_back_leads_back
     let before = baked(BakeParts::ENVIRONMENT, true);
     assert_eq!(against_rays(&before).0, 0);
     let scene = placed(&before, ASIDE);
-    let there = update(before.clone(), scene.clone(), &Silent).unwrap();
+    let there = update(&before, scene.clone(), &Silent).unwrap();
     let (wrong, length, fresh) = against_rays(&there);
     assert_eq!(wrong, 0);
     assert!(length >= fresh && length < 1.15 * fresh, "{length} {fresh}");
@@ -91,7 +91,7 @@ fn after_a_move_every_node_has_the_value_of_its_rays_and_the_way_back_leads_back
     assert!(!there.cuts.has_same_stored(&before.cuts) && there.scene.placed_poses().of(1).translate == ASIDE);
     let home = placed(&there, Vec3::ZERO);
     assert!(home.mesh.positions == before.scene.mesh.positions);
-    let back = update(there.clone(), home, &Silent).unwrap();
+    let back = update(&there, home, &Silent).unwrap();
     let height = before.tree.height();
     let same = |v: u32| back.cuts.cut(height, v) == before.cuts.cut(height, v);
     let vertices = before.vertex_valid.len() as u32;
@@ -100,7 +100,7 @@ fn after_a_move_every_node_has_the_value_of_its_rays_and_the_way_back_leads_back
     assert!(back.vertex_valid == before.vertex_valid && there.vertex_valid.len() == back.vertex_valid.len());
     for second in [false, true] {
         let half = Change::between(&before.scene, &scene).half(second);
-        let forgotten = update_where(before.clone(), scene.clone(), &half, &Silent).unwrap();
+        let forgotten = update_where(&before, scene.clone(), &half, &Silent).unwrap();
         assert!(against_rays(&forgotten).0 > 20, "negative control: one of the boxes is forgotten");
     }
 }
@@ -110,7 +110,7 @@ fn sources_ride_along_and_their_cuts_are_those_of_a_verification() {
     for exhaustive in [true, false] {
         let before = baked(BakeParts::CUTS.with(BakeParts::RADIOSITY), exhaustive);
         let scene = placed(&before, ASIDE);
-        let there = update(before.clone(), scene.clone(), &Silent).unwrap();
+        let there = update(&before, scene.clone(), &Silent).unwrap();
         let verified = verify(&there, 200);
         assert!(verified.passed, "{}", verified.text());
         let sources = |dataset: &Dataset| dataset.indirect.as_ref().unwrap().sources.clone();
@@ -140,7 +140,7 @@ fn a_wall_that_lets_light_through_is_baked_anew_without_the_rest() {
     let number = scene.materials.len() as u32 - 1;
     let of_block = mesh.triangle_material.iter_mut().zip(&mesh.triangle_object).filter(|(_, object)| **object == 1);
     of_block.for_each(|(material, _)| *material = number);
-    let after = update(before.clone(), scene, &Silent).unwrap();
+    let after = update(&before, scene, &Silent).unwrap();
     assert_eq!(against_rays(&after).0, 0);
     assert!(!after.cuts.has_same_stored(&before.cuts) && 2 * after.report.rays_traced < before.report.rays_traced);
 }

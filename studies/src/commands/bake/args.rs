@@ -230,7 +230,7 @@ impl BakeArgs {
         let mut scene = dataset.scene.clone();
         scene.place_again(&poses.unwrap_or_default()).map_err(BakeError::Pose)?;
         let _lock = OutputLock::acquire(&self.output)?;
-        let updated = update(dataset, scene, &progress)?;
+        let updated = update(&dataset, scene, &progress)?;
         updated.write(&self.output)?;
         progress.finish();
         Ok(updated.report)
