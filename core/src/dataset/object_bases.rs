@@ -21,6 +21,7 @@ use super::{
 use crate::{
     mesh::Mesh,
     meshless::{BasisError, ObjectBases, Owner},
+    surfel::Surfel,
 };
 use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
@@ -83,6 +84,11 @@ impl StoredPart for StoredObjectBases {
         let ObjectBasesSettings { functions, levels, sender_level } = dataset.settings.object_bases;
         vec![("functions", (1..=MOST_FUNCTIONS).contains(&functions)), ("sender level", sender_level < levels)]
     }
+
+    fn check(&self, dataset: &Dataset) -> Result<(), Damage> {
+        let points = dataset.object_bases.as_ref().map_or(&[][..], |bases| bases.points());
+        check(points, dataset.scene.mesh.triangles.len())
+    }
 }
 
 /// The tensors of bases.
@@ -103,10 +109,7 @@ impl Reader<'_> {
             return Ok(None);
         }
         let points = self.surfels("radiosity")?;
-        for (function, point) in points.iter().enumerate() {
-            check_surfel(point, mesh.triangles.len())
-                .map_err(|source| Damage::of_part(ObjectBasesDamage::Function { function, source }))?;
-        }
+        check(&points, mesh.triangles.len())?;
         let offsets: Vec<u32> = self.array("radiosity_levels", Dtype::U32, &[], None)?;
         let radii: Vec<f32> = self.array("radiosity_radii", Dtype::F32, &[], None)?;
         let sender_level: Vec<u32> = self.array("radiosity_sender_level", Dtype::U32, &[], Some(1))?;
@@ -114,6 +117,13 @@ impl Reader<'_> {
         let bases = ObjectBases::from_parts(points, owners, offsets, radii, sender_level[0] as usize);
         bases.map(Some).map_err(|e| Damage::of_part(ObjectBasesDamage::Basis(e)))
     }
+}
+
+fn check(points: &[Surfel], triangles: usize) -> Result<(), Damage> {
+    points.iter().enumerate().try_for_each(|(function, point)| {
+        check_surfel(point, triangles)
+            .map_err(|source| Damage::of_part(ObjectBasesDamage::Function { function, source }))
+    })
 }
 
 /// Errors of stored bases of objects.

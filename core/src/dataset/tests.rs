@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     cut::packed::pack_node,
     material::{Material, MaterialMaps},
-    meshless::{Basis, Transport},
+    meshless::{Basis, ObjectBases, Owner, Transport},
     opacity::PartOpacity,
     parts::{Part, PartVariants, Variants},
     sources::Source,
@@ -146,11 +146,17 @@ fn replace(bytes: &mut [u8], from: &str, to: &str) {
     bytes[at..at + from.len()].copy_from_slice(format!("{to:len$}", len = from.len()).as_bytes());
 }
 
+/// Makes a file one of an older version.
+fn be_of_version(bytes: &mut [u8], version: u32) {
+    let of = |version: u32| format!(r#"\"format_version\":{version}"#);
+    replace(bytes, &of(FORMAT_VERSION), &of(version));
+}
+
 #[test]
 fn a_file_of_version_1_is_read_with_its_empty_maps_and_misspelt_ones_are_told() {
     let (_folder, path, mut bytes) = written();
     let sides = r#"\"maps\":{},\"double_sided\":false"#;
-    replace(&mut bytes, r#"\"format_version\":8"#, r#"\"format_version\":1"#);
+    be_of_version(&mut bytes, 1);
     replace(&mut bytes, sides, r#"\"maps\":{\"ior\":null}"#);
     std::fs::write(&path, &bytes).unwrap();
     assert_eq!(read(&path).unwrap().scene.materials, dataset().scene.materials);
@@ -173,9 +179,11 @@ fn foreign_and_newer_files_are_told_apart() {
     assert!(matches!(foreign, DatasetError::Foreign { .. }), "{foreign}");
     let newer = error_after(|b| {
         let at = b.windows(19).position(|w| w == b"\\\"format_version\\\":").unwrap();
-        b[at + 19] = b'9';
+        b.insert(at + 19, b'1');
+        let length = u64::from_le_bytes(b[..8].try_into().unwrap()) + 1;
+        b[..8].copy_from_slice(&length.to_le_bytes());
     });
-    assert!(matches!(newer, DatasetError::Newer { found: 9, .. }), "{newer}");
+    assert!(matches!(newer, DatasetError::Newer { found: 19, .. }), "{newer}");
 }
 
 #[test]
@@ -287,7 +295,7 @@ fn sources_of_version_3_are_as_far_apart_as_was_reported_or_as_follows_from_thei
         dataset.write(&path).unwrap();
         if is_older {
             let mut bytes = std::fs::read(&path).unwrap();
-            replace(&mut bytes, r#"\"format_version\":8"#, r#"\"format_version\":3"#);
+            be_of_version(&mut bytes, 3);
             // Its checksum and the tensor itself.
             replace(&mut bytes, "source_spacings", "what_is_unknown");
             replace(&mut bytes, "source_spacings", "what_is_unknown");
@@ -345,6 +353,36 @@ fn the_meshless_basis_and_its_links_survive_the_disk() {
     assert_eq!((a.basis.sender_levels(), &a.transport), (1, &b.transport));
     dataset().write(&path).unwrap();
     assert!(read(&path).unwrap().meshless.is_none(), "a dataset without it");
+}
+
+/// A dataset with two functions of one object, on two levels.
+fn with_object_bases() -> Dataset {
+    let mut dataset = dataset();
+    let at = |x: f32| dataset.scene.mesh.surfel(0, Vec2::new(x, 0.25), false);
+    let level = |x: f32| vec![(at(x), Owner::on(&dataset.scene.mesh, &at(x)))];
+    let bases = ObjectBases::new(&[level(0.5), level(0.125)], vec![1.0, 0.5], 0).unwrap();
+    dataset.object_bases = Some(bases.into());
+    dataset
+}
+
+#[test]
+fn bases_of_objects_survive_the_disk_and_functions_beside_the_mesh_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let original = with_object_bases();
+    original.write(&path).unwrap();
+    let (a, b) = (read(&path).unwrap().object_bases.unwrap(), original.object_bases.clone().unwrap());
+    assert_eq!((a.points(), a.owners(), a.offsets()), (b.points(), b.owners(), b.offsets()));
+    assert_eq!((a.radii(), a.sender_level()), (b.radii(), b.sender_level()));
+    let mut damaged = original;
+    let mut points = b.points().to_vec();
+    points[1].place.triangle = 7;
+    let parts = (b.owners().to_vec(), b.offsets().to_vec(), b.radii().to_vec());
+    damaged.object_bases = Some(ObjectBases::from_parts(points, parts.0, parts.1, parts.2, 0).unwrap().into());
+    let refused = damaged.write(&path).unwrap_err().to_string();
+    assert!(refused.contains("function 1 of the bases of objects"), "{refused}");
+    dataset().write(&path).unwrap();
+    assert!(read(&path).unwrap().object_bases.is_none(), "a dataset without them");
 }
 
 #[test]

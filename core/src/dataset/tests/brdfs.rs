@@ -1,6 +1,6 @@
 //! BRDF files, and materials of earlier versions.
 
-use super::{dataset, read, replace};
+use super::{be_of_version, dataset, read, replace};
 use crate::{
     brdf::{BrdfModel, example_file},
     dataset::DatasetError,
@@ -53,7 +53,7 @@ fn ward_of_version_7_is_ward_duer() {
     let model = |path| read(path).unwrap().scene.materials[0].model;
     assert_eq!(model(&path), BrdfModel::Ward);
     let mut bytes = std::fs::read(&path).unwrap();
-    replace(&mut bytes, r#"\"format_version\":8"#, r#"\"format_version\":7"#);
+    be_of_version(&mut bytes, 7);
     std::fs::write(&path, bytes).unwrap();
     assert_eq!(model(&path), BrdfModel::WardDuer);
 }
