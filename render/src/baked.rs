@@ -125,6 +125,12 @@ impl Baked {
         }
     }
 
+    /// Whether both are bakes of one scene with the same vertices, as before and after a move.
+    pub(crate) fn is_of_same_vertices(&self, other: &Self) -> bool {
+        let key = |baked: &Self| (baked.dataset.scene_hash.clone(), baked.dataset.vertex_valid.len());
+        key(self) == key(other) && self.dataset.scene.mesh.triangles == other.dataset.scene.mesh.triangles
+    }
+
     /// Whether both are the same dataset, not merely equal.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.dataset, &other.dataset)

@@ -133,7 +133,12 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if self.baked.is_same(baked) {
             return Ok(false);
         }
-        (self.environment_rig, self.local_rig) = rigs(&mut *self.backend, baked)?;
+        let (environment_rig, local_rig) = rigs(&mut *self.backend, baked)?;
+        self.environment_rig = environment_rig;
+        let before = std::mem::replace(&mut self.local_rig, local_rig);
+        if self.baked.is_of_same_vertices(baked) {
+            self.local_rig.take_over(before);
+        }
         self.situation = Situation { compute: self.backend.compute(), ..Situation::unlit(baked) };
         self.baked = baked.clone();
         (self.posing, self.pose_rigs, self.lit) = (None, PoseRigs::default(), None);

@@ -76,6 +76,15 @@ impl LocalRig {
         Self { rigs: Rigs::new(baked), solvers }
     }
 
+    /// Takes over solvers of a bake with the same vertices whose light follows poses. They show it until theirs is solved.
+    pub fn take_over(&mut self, before: Self) {
+        for (solution, solver, _) in before.solvers.into_iter().filter(|(solution, ..)| solution.follows_poses()) {
+            if let Some(own) = self.solvers.iter_mut().find(|(of, ..)| *of == solution) {
+                own.1 = solver;
+            }
+        }
+    }
+
     /// Records changes. Rays are cast when bounced light is needed.
     pub fn note(&mut self, changes: Changes) {
         self.rigs.note(changes);

@@ -135,6 +135,29 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
 }
 
 #[test]
+fn after_a_move_cuts_are_baked_anew_by_themselves_and_after_its_undo_again() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    wait_for_picture(&mut window);
+    let file = || std::fs::read(place.path("scene.cuts")).unwrap();
+    let before = file();
+    window.0.state_mut().work.document.bake = few_lights();
+    let moved = Pose { translate: Vec3::X * 0.4, ..Pose::AS_BAKED };
+    pose(&mut window, moved);
+    window.wait("the preview", |s| s.picture.shown().is_some_and(|p| p.tier == Tier::Implicit));
+    assert!(window.0.state().baking.run.is_none(), "negative control: nobody asked for it");
+    window.0.state_mut().work.preferences.follows_edits = true;
+    let placed = |s: &EditorState| s.work.scene.baked.as_ref().unwrap().dataset.scene.placed_poses().of(PYRAMID);
+    let is_by_cuts = |s: &EditorState| s.picture.shown().is_some_and(|p| p.tier == Tier::Cuts);
+    window.wait("the picture by cuts", |s| placed(s) == moved && is_by_cuts(s));
+    assert!(stale_now(&window.0.state().work).is_empty() && file() == before, "nothing is written");
+    window.perform(Action::Undo);
+    window.wait("the way back", |s| placed(s) == Pose::AS_BAKED && s.baking.run.is_none() && is_by_cuts(s));
+}
+
+#[test]
 fn a_dataset_alone_has_the_timeline_of_the_scene_file_beside_it() {
     let place = Place::new();
     let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/bending-tower");
