@@ -6,7 +6,7 @@ use crate::light::{
     situation::{Changes, Situation},
 };
 use glam::Vec3;
-use lapidary_core::{dataset::BakeParts, meshless::RadiositySettings, transport::BounceEnergy};
+use lapidary_core::{dataset::BakeParts, meshless::RadiositySettings, scene::pose::Poses, transport::BounceEnergy};
 use std::sync::Arc;
 
 /// Solves bounced light for the objects where they are.
@@ -17,6 +17,8 @@ pub struct RadiositySolver {
     /// The steps of the last whole light.
     before: Vec<Arc<Sides>>,
     shown: Option<Arc<Sides>>,
+    /// Of the present light.
+    poses: Poses,
     energy: Option<BounceEnergy>,
     is_whole: bool,
 }
@@ -33,7 +35,10 @@ impl Described for RadiositySolver {
 impl BounceSolver for RadiositySolver {
     /// The first step after a change does nothing, so that a drag goes on with the light before.
     fn advance(&mut self, situation: &Situation, changes: Changes, rigs: &mut Rigs) -> bool {
-        if changes.poses || changes.relight() {
+        // Another detail of the preview poses the scene anew, but moves nothing.
+        let has_moved = changes.poses && self.poses != situation.poses;
+        if has_moved || changes.relight() {
+            self.poses = situation.poses.clone();
             if std::mem::take(&mut self.is_whole) {
                 self.before = std::mem::take(&mut self.steps);
             }
