@@ -8,7 +8,7 @@ use crate::{
 };
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
-use std::iter;
+use std::{collections::BTreeMap, iter};
 use thiserror::Error;
 
 /// The smallest diagonal of a scene in meters. The fourth power of a distance must stay above the smallest `f32`.
@@ -182,6 +182,21 @@ impl Mesh {
     /// Bounds of all vertices except the ground's.
     pub fn bounds(&self) -> Bounds {
         Bounds::around(self.positions[..self.vertices_of_scene()].iter().copied())
+    }
+
+    /// A box around each group of some triangles, in the order of the groups' keys.
+    pub fn bounds_by<K: Ord>(
+        &self,
+        triangles: impl IntoIterator<Item = usize>,
+        key: impl Fn(usize) -> K,
+    ) -> Vec<Bounds> {
+        let mut boxes: BTreeMap<K, Bounds> = BTreeMap::new();
+        for triangle in triangles {
+            let own = Bounds::around(self.corners(triangle));
+            let all = boxes.entry(key(triangle)).or_insert(own);
+            *all = Bounds::around([all.min, all.max, own.min, own.max]);
+        }
+        boxes.into_values().collect()
     }
 
     /// The three corners of a triangle in meters.

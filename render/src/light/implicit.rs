@@ -221,8 +221,7 @@ impl Relight for PoseRig {
             self.pose(&situation.scene, &situation.poses);
         }
         if changes.environment {
-            let is_baked = situation.scene.dataset.settings.mode.environment();
-            self.sky = SkyGrid::new(situation.environment.as_deref().filter(|_| is_baked));
+            self.sky = SkyGrid::of(situation);
         }
         let lights = [&*situation.lights, &*situation.suns].concat();
         for seen in [&mut self.posed, &mut self.as_baked] {

@@ -1,6 +1,6 @@
 //! Radiance of an environment in cells of directions, for bins far coarser than its light samples.
 
-use crate::light::environment::SceneLighting;
+use crate::light::{environment::SceneLighting, situation::Situation};
 use glam::Vec3;
 use lapidary_core::sphere::octahedron::{CELLS, cell_of, direction_of};
 
@@ -10,6 +10,12 @@ pub struct SkyGrid {
 }
 
 impl SkyGrid {
+    /// The environment of a situation, if its visibility is baked.
+    pub fn of(situation: &Situation) -> Self {
+        let is_baked = situation.scene.dataset.settings.mode.environment();
+        Self::new(situation.environment.as_deref().filter(|_| is_baked))
+    }
+
     pub fn new(environment: Option<&SceneLighting>) -> Self {
         let Some(lighting) = environment else { return Self { cells: Vec::new() } };
         let leaves = lighting.leaves();

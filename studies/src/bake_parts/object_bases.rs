@@ -1,7 +1,7 @@
 //! The bases of objects.
 
 use super::StudiedPart;
-use clap::Args;
+use clap::{Args, builder::RangedU64ValueParser};
 use lapidary_core::dataset::{BakeReport, BakeSettings, ObjectBasesReport, ObjectBasesSettings};
 
 /// The part of the bases of objects.
@@ -18,7 +18,7 @@ pub struct ObjectBasesOptions {
     #[arg(long, value_name = "L")]
     object_levels: Option<usize>,
     /// Level of the objects' functions that sends light, from 1 [default: 4]
-    #[arg(long, value_name = "L")]
+    #[arg(long, value_name = "L", value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     sender_level: Option<usize>,
 }
 
@@ -28,9 +28,8 @@ impl ObjectBasesOptions {
         let s = &mut settings.object_bases;
         s.functions = self.functions.unwrap_or(s.functions);
         s.levels = self.object_levels.unwrap_or(s.levels);
-        // A level 0 is beyond the range and told as such.
-        let sender = self.sender_level.map(|level| level.wrapping_sub(1));
-        s.sender_level = sender.unwrap_or(s.sender_level.min(s.levels.saturating_sub(1)));
+        s.sender_level =
+            self.sender_level.map(|level| level - 1).unwrap_or(s.sender_level.min(s.levels.saturating_sub(1)));
     }
 }
 

@@ -21,7 +21,7 @@ impl PartBake for ObjectBasesBake {
         within(&[
             (Setting::Functions, f64::from(functions), 1.0, 1e7),
             (Setting::ObjectLevels, levels as f64, 1.0, 8.0),
-            (Setting::SenderLevel, (sender_level + 1) as f64, 1.0, levels as f64),
+            (Setting::SenderLevel, sender_level as f64 + 1.0, 1.0, levels as f64),
         ])
     }
 

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 use lapidary_core::{bounds::Bounds, mesh::Mesh, opacity::Opacities, scene::Scene};
-use std::collections::BTreeMap;
 
 /// Margin of the boxes, as a share of the scene's diagonal: rays start off surfaces.
 const MARGIN: f32 = 1e-4;
@@ -27,7 +26,11 @@ impl Change {
         };
         let changed: Vec<usize> = (0..now.mesh.triangles.len()).filter(|&triangle| is_changed(triangle)).collect();
         let margin = MARGIN * now.mesh.bounds().diagonal();
-        let boxes = |mesh: &Mesh| boxes_of_parts(mesh, &changed).into_iter().map(move |b| b.grown(margin));
+        let part = |triangle: usize| (now.mesh.triangle_object[triangle], now.mesh.triangle_material[triangle]);
+        let boxes = |mesh: &Mesh| {
+            let of_parts = mesh.bounds_by(changed.iter().copied(), part).into_iter();
+            of_parts.map(move |bounds| bounds.grown(margin))
+        };
         let boxes = boxes(&before.mesh).chain(boxes(&now.mesh)).collect();
         Self { boxes, has_moved }
     }
@@ -59,15 +62,4 @@ impl Change {
         let boxes = if second { self.boxes[half..].to_vec() } else { self.boxes[..half].to_vec() };
         Self { boxes, has_moved: self.has_moved.clone() }
     }
-}
-
-/// A box for each material of each object among some triangles.
-fn boxes_of_parts(mesh: &Mesh, triangles: &[usize]) -> Vec<Bounds> {
-    let mut boxes: BTreeMap<(u32, u32), Bounds> = BTreeMap::new();
-    for &triangle in triangles {
-        let own = Bounds::around(mesh.corners(triangle));
-        let all = boxes.entry((mesh.triangle_object[triangle], mesh.triangle_material[triangle])).or_insert(own);
-        *all = Bounds::around([all.min, all.max, own.min, own.max]);
-    }
-    boxes.into_values().collect()
 }

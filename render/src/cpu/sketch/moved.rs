@@ -7,7 +7,6 @@ use lapidary_core::{
     scene::Mesh,
 };
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Margin in pixels around an object's box: samples are not at pixel centers.
 const MARGIN: f32 = 2.0;
@@ -27,13 +26,9 @@ impl Moved {
             (before.positions[v], before.normals[v]) != (now.positions[v], now.normals[v])
         };
         let is_moved: Vec<bool> = now.triangles.par_iter().map(|corners| corners.iter().any(is_vertex_moved)).collect();
-        let mut boxes: BTreeMap<u32, Bounds> = BTreeMap::new();
-        for triangle in (0..is_moved.len()).filter(|&triangle| is_moved[triangle]) {
-            let own = Bounds::around(now.corners(triangle));
-            let all = boxes.entry(now.triangle_object[triangle]).or_insert(own);
-            *all = Bounds::around([all.min, all.max, own.min, own.max]);
-        }
-        Self { is_moved, boxes: boxes.into_values().collect() }
+        let moved = (0..is_moved.len()).filter(|&triangle| is_moved[triangle]);
+        let boxes = now.bounds_by(moved, |triangle| now.triangle_object[triangle]);
+        Self { is_moved, boxes }
     }
 
     /// Whether a triangle has moved or is new.

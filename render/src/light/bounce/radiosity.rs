@@ -22,7 +22,7 @@ use lapidary_core::{
     transport::BounceEnergy,
 };
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Samples of an area light along each of its sides, at each function.
 const AREA_SAMPLES: u32 = 2;
@@ -114,8 +114,7 @@ impl Relight for RadiosityRig {
             self.pose(&situation.scene, &situation.poses);
         }
         if changes.environment {
-            let is_baked = situation.scene.dataset.settings.mode.environment();
-            self.sky = SkyGrid::new(situation.environment.as_deref().filter(|_| is_baked));
+            self.sky = SkyGrid::of(situation);
         }
         self.lit.update(&situation.appearance, &situation.bouncing(), changes);
         if changes.relight() {
@@ -135,13 +134,8 @@ fn on_surface<T>(as_baked: &Baked, posed: &Baked, act: impl FnOnce(&CarryingMesh
 
 /// Boxes around some objects of a mesh.
 fn boxes(mesh: &Mesh, objects: &BTreeSet<u32>) -> Vec<Bounds> {
-    let mut boxes: BTreeMap<u32, Bounds> = BTreeMap::new();
-    for (triangle, object) in mesh.triangle_object.iter().enumerate().filter(|(_, object)| objects.contains(object)) {
-        let own = Bounds::around(mesh.corners(triangle));
-        let all = boxes.entry(*object).or_insert(own);
-        *all = Bounds::around([all.min, all.max, own.min, own.max]);
-    }
-    boxes.into_values().collect()
+    let object = |triangle: usize| mesh.triangle_object[triangle];
+    mesh.bounds_by((0..mesh.triangles.len()).filter(|&triangle| objects.contains(&object(triangle))), object)
 }
 
 /// Values of the functions at both sides of the vertices as baked; none at the back of a one-sided surface.
