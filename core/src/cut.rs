@@ -11,7 +11,7 @@ mod renewal;
 mod solid_angles;
 mod visibility;
 
-pub use renewal::{CutPart, cut_parts, leaves_below};
+pub use renewal::{CutPart, cut_parts, is_uniform_solid_angle, is_uniform_visibility, leaves_below};
 pub use solid_angles::{
     LARGEST_SOLID_ANGLE, SourceCriterion, SourceCutSelector, prune_sources, solid_angle, solid_angle_code,
     solid_angle_error, solid_angles,

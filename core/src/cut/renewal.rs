@@ -1,9 +1,10 @@
 //! Cuts of which some parts are selected anew, because only some leaves have new values.
 //!
 //! Leaves are renewed by granules, the nodes of one depth: whether a granule is stale depends on no cut. So where values come back,
-//! the same nodes come back. A node of a cut above the granules is renewed whole if one of its granules is stale.
+//! the same nodes come back. A node of a cut above the granules is renewed whole if one of its granules is stale, unless it is
+//! uniform: its value is then that of each granule.
 
-use super::packed::depth;
+use super::packed::{VALUE_MAX, depth};
 use std::ops::Range;
 
 /// A part of a cut.
@@ -20,8 +21,20 @@ impl CutPart {
     pub const ALL: [Self; 1] = [Self::Stale(1)];
 }
 
+/// Whether a node of a cut of visibility says what each of its leaves is: all dark or all visible. In a larger node the value of a
+/// single leaf may be lost.
+pub fn is_uniform_visibility(height: u32, node: u16) -> bool {
+    let leaves = 1_u32 << (height - depth(node));
+    matches!(node & VALUE_MAX, 0 | VALUE_MAX) && leaves < 2 * u32::from(VALUE_MAX)
+}
+
+/// Whether a node of a cut of solid angles says what each of its leaves is: hidden.
+pub fn is_uniform_solid_angle(_height: u32, node: u16) -> bool {
+    node & VALUE_MAX == 0
+}
+
 /// The parts of a cut over a tree of `height`, left to right. `is_stale` has one entry per granule.
-pub fn cut_parts(height: u32, cut: &[u16], is_stale: &[bool]) -> Vec<CutPart> {
+pub fn cut_parts(height: u32, cut: &[u16], is_stale: &[bool], is_uniform: fn(u32, u16) -> bool) -> Vec<CutPart> {
     let granules = is_stale.len().ilog2();
     let (mut parts, mut first) = (Vec::new(), 0_usize);
     for &node in cut {
@@ -30,8 +43,17 @@ pub fn cut_parts(height: u32, cut: &[u16], is_stale: &[bool]) -> Vec<CutPart> {
         let root = (1 << depth.min(granules)) + (first >> (height - depth.min(granules)));
         let below = granules - depth.min(granules);
         let start = (root << below) - is_stale.len();
-        match is_stale[start..start + (1 << below)].contains(&true) {
+        let stale = &is_stale[start..start + (1 << below)];
+        match stale.contains(&true) {
             false => parts.push(CutPart::Kept(node)),
+            true if below > 0 && is_uniform(height, node) => {
+                let granule = CutPart::Kept((node & VALUE_MAX) | (granules as u16) << 12);
+                parts.extend((root << below..).zip(stale).map(
+                    |(root, &stale)| {
+                        if stale { CutPart::Stale(root) } else { granule }
+                    },
+                ));
+            }
             true if parts.last() != Some(&CutPart::Stale(root)) => parts.push(CutPart::Stale(root)),
             true => (),
         }
@@ -91,7 +113,7 @@ mod tests {
             let range = 300 + seed as usize..420 + seed as usize;
             let (before, now) = (leaves(seed, 0..0, 0), leaves(seed, range.clone(), seed + 99));
             let renewed = |old: &[u16], leaves: &[u8], stale: &[bool]| {
-                let parts = cut_parts(HEIGHT, old, stale);
+                let parts = cut_parts(HEIGHT, old, stale, is_uniform_visibility);
                 // Leaves that are not renewed are unknown.
                 let mut known = vec![OPEN / 2; 1 << HEIGHT];
                 for part in &parts {
@@ -119,6 +141,23 @@ mod tests {
     }
 
     #[test]
+    fn of_a_uniform_node_only_stale_granules_are_renewed() {
+        let dark = [0_u16];
+        let mut is_stale = [false; 32];
+        is_stale[5] = true;
+        let stale = |parts: Vec<CutPart>| parts.into_iter().filter(|part| matches!(part, CutPart::Stale(_))).collect();
+        let of = |cut: &[u16]| -> Vec<CutPart> { stale(cut_parts(HEIGHT, cut, &is_stale, is_uniform_visibility)) };
+        assert_eq!(of(&dark), [CutPart::Stale(32 + 5)]);
+        assert_eq!(of(&[VALUE_MAX]), [CutPart::Stale(32 + 5)]);
+        assert_eq!(of(&[100]), [CutPart::Stale(1)], "negative control: nobody knows its leaves");
+        assert!(!is_uniform_visibility(13, 0), "one leaf of 8,192 rounds to none");
+        let mut cut = Vec::new();
+        let parts = cut_parts(HEIGHT, &dark, &is_stale, is_uniform_visibility);
+        CutSelector::new(HEIGHT, CutCriterion::default()).select_parts(&[0; 1 << HEIGHT], &parts, &mut cut);
+        assert_eq!(cut, dark, "nothing has changed");
+    }
+
+    #[test]
     fn cuts_of_solid_angles_are_renewed_as_those_of_visibility_are() {
         let criterion = SourceCriterion { sigma: 0.5, max_solid_angle: 0.3, contrast: 0.1 };
         let angles = |leaves: Vec<u8>| -> Vec<f32> { leaves.into_iter().map(|v| f32::from(v) * 1e-5).collect() };
@@ -130,9 +169,13 @@ mod tests {
             cut
         };
         let old = select(&before, &CutPart::ALL);
-        let there = select(&now, &cut_parts(HEIGHT, &old, &stale(&range)));
+        let there = select(&now, &cut_parts(HEIGHT, &old, &stale(&range), is_uniform_solid_angle));
         assert!(there != old);
-        assert_eq!(select(&before, &cut_parts(HEIGHT, &there, &stale(&range))), old);
-        assert!(cut_parts(HEIGHT, &old, &[false; 32]).iter().all(|part| matches!(part, CutPart::Kept(_))));
+        assert_eq!(select(&before, &cut_parts(HEIGHT, &there, &stale(&range), is_uniform_solid_angle)), old);
+        assert!(
+            cut_parts(HEIGHT, &old, &[false; 32], is_uniform_solid_angle)
+                .iter()
+                .all(|part| matches!(part, CutPart::Kept(_)))
+        );
     }
 }

@@ -157,7 +157,7 @@ impl Updating<'_> {
             return Ok(None);
         }
         let of_point = self.vertex_of_points();
-        let old = OldCuts::new(&before.cuts, before.tree.height(), of_point);
+        let old = OldCuts::of_visibility(&before.cuts, before.tree.height(), of_point);
         let maker = RenewedEnvironment::new(before, &geometry.intersector, (&geometry.points.points, old), change);
         let cuts = renewed(&maker, Phase::Visibility, clock)?;
         Ok(Some(pack(&cuts, None, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?))
@@ -186,13 +186,13 @@ impl Updating<'_> {
         let per_probe = report.map_or(1, |report| report.sources_per_probe());
         let sampler = SourceSampler::new(&geometry.intersector, &sources, offset, per_probe);
         let of_point = self.vertex_of_points();
-        let old = OldCuts::new(&bake.cuts, bake.sources.len().ilog2(), of_point);
+        let old = OldCuts::of_solid_angles(&bake.cuts, bake.sources.len().ilog2(), of_point);
         let maker = RenewedSources::new(before, sampler, (&sources, &bake.sources), (&receivers, old), change);
         let cuts = renewed(&maker, Phase::SourceVisibility, clock)?;
         let seen = pack(&cuts, None, geometry.points.of_vertex.iter().copied(), CutsOf::Sources)?;
         let points: Vec<BakePoint> = sources.iter().map(|source| BakePoint::of_surfel(source.surfel, offset)).collect();
         let is_still = |i: u32| (sources[i as usize].surfel == bake.sources[i as usize].surfel).then_some(i);
-        let old = OldCuts::new(
+        let old = OldCuts::of_visibility(
             &bake.environment_cuts,
             before.tree.height(),
             (0..sources.len() as u32).map(is_still).collect(),

@@ -12,8 +12,8 @@ use crate::{
 };
 use lapidary_core::{
     cut::{
-        CutCriterion, CutPart, CutSelector, SourceCriterion, SourceCutSelector, cut_parts, leaves_below,
-        packed::PackedCuts,
+        CutCriterion, CutPart, CutSelector, SourceCriterion, SourceCutSelector, cut_parts, is_uniform_solid_angle,
+        is_uniform_visibility, leaves_below, packed::PackedCuts,
     },
     dataset::Dataset,
     ray::{BoundaryTracer, Intersector},
@@ -28,12 +28,19 @@ pub struct OldCuts<'a> {
     height: u32,
     /// The cut of each point; none for one that moved.
     of_point: Vec<Option<u32>>,
+    /// Whether a node says what each of its leaves is.
+    is_uniform: fn(u32, u16) -> bool,
 }
 
 impl<'a> OldCuts<'a> {
-    /// Cuts over a tree of `height`.
-    pub fn new(cuts: &'a PackedCuts, height: u32, of_point: Vec<Option<u32>>) -> Self {
-        Self { cuts, height, of_point }
+    /// Cuts of visibility over a tree of `height`.
+    pub fn of_visibility(cuts: &'a PackedCuts, height: u32, of_point: Vec<Option<u32>>) -> Self {
+        Self { cuts, height, of_point, is_uniform: is_uniform_visibility }
+    }
+
+    /// Cuts of solid angles over a tree of `height`.
+    pub fn of_solid_angles(cuts: &'a PackedCuts, height: u32, of_point: Vec<Option<u32>>) -> Self {
+        Self { cuts, height, of_point, is_uniform: is_uniform_solid_angle }
     }
 
     fn of(&self, point: usize) -> Option<&[u16]> {
@@ -42,7 +49,7 @@ impl<'a> OldCuts<'a> {
 
     /// The parts of a point's cut; `stale` tells which granules the edit reaches.
     fn parts(&self, point: usize, stale: impl FnOnce() -> Vec<bool>) -> Vec<CutPart> {
-        self.of(point).map_or(CutPart::ALL.to_vec(), |cut| cut_parts(self.height, cut, &stale()))
+        self.of(point).map_or(CutPart::ALL.to_vec(), |cut| cut_parts(self.height, cut, &stale(), self.is_uniform))
     }
 }
 
