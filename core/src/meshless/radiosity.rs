@@ -324,7 +324,7 @@ impl Radiosity {
         self.look_again(surface, is_moved, &[boxes, left].concat());
         let moved = Moved { object_of: &|sender| self.bases.owners()[sender as usize].object, is_moved, boxes };
         let receivers: Vec<u32> = self.table.receivers().collect();
-        let renewed: Vec<(u32, Vec<(usize, [GatherHit; 8])>)> =
+        let renewed: Vec<(u32, RenewedEights)> =
             receivers.into_par_iter().map(|function| (function, self.renewed(surface, function, &moved))).collect();
         let mut rays = 0;
         for (function, eights) in renewed {
@@ -349,7 +349,7 @@ impl Radiosity {
     }
 
     /// The eights of a function's rays that a move changes, by their first ray.
-    fn renewed(&self, surface: &dyn Carrier, function: u32, moved: &Moved) -> Vec<(usize, [GatherHit; 8])> {
+    fn renewed(&self, surface: &dyn Carrier, function: u32, moved: &Moved) -> RenewedEights {
         let fan = self.placed(surface, function);
         let itself = (moved.is_moved)((moved.object_of)(function));
         let row = self.table.row(function).expect("its rays were traced");
@@ -369,6 +369,9 @@ impl Radiosity {
         stale.into_iter().zip(hits.as_chunks::<8>().0).map(|((first, _), hits)| (first, *hits)).collect()
     }
 }
+
+/// Ends of rays that were traced again, by eights with the number of their first ray.
+type RenewedEights = Vec<(usize, [GatherHit; 8])>;
 
 /// Where a receiver's rays begin, and how its fan is turned.
 struct Placed {

@@ -17,16 +17,14 @@ impl Baking {
     /// Begins an update once a move is over, and ends one that another move has overtaken.
     pub fn follow_edits(&mut self, work: &mut Workspace, is_moving: bool) {
         let poses = &work.document.poses;
-        if let Some(run) = self.run.as_mut().filter(|run| run.of_poses.as_ref().is_some_and(|of| of != poses)) {
-            if !std::mem::replace(&mut run.is_overtaken, true) {
-                run.job.cancel();
-            }
+        if let Some(run) = self.run.as_mut().filter(|run| run.of_poses.as_ref().is_some_and(|of| of != poses))
+            && !std::mem::replace(&mut run.is_overtaken, true)
+        {
+            run.job.cancel();
         }
         let is_idle = !is_moving && self.run.is_none() && self.ended.is_none();
-        if is_idle && work.preferences.follows_edits {
-            if let Some(edited) = edited(work) {
-                self.begin_update(work, edited, None, Asker::Nobody);
-            }
+        if let Some(edited) = (is_idle && work.preferences.follows_edits).then(|| edited(work)).flatten() {
+            self.begin_update(work, edited, None, Asker::Nobody);
         }
     }
 

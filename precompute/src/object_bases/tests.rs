@@ -207,7 +207,7 @@ fn a_bounce_is_that_of_rays_and_few_gathers_give_the_light_of_all() {
     let [by_some, by_all, by_fewest] = [&some, &all, &of(10.0).0].map(|light| error_of(&stage, &bases, light));
     assert!(by_some < 0.03 && by_some < by_all + 0.002, "{by_some} {by_all}");
     assert!(by_fewest > 0.05, "negative control: {by_fewest}");
-    some.total.iter_mut().for_each(|vector| *vector = *vector * 1.1);
+    some.total.iter_mut().for_each(|vector| *vector *= 1.1);
     assert!(error_of(&stage, &bases, &some) > 0.06, "negative control: {}", error_of(&stage, &bases, &some));
 }
 
