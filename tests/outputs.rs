@@ -43,7 +43,7 @@ const OUTPUTS: [(&str, &str, Kind, &str); 20] = [
 ];
 
 /// Options that name an input; the dataset, the lights and the material are those of many commands.
-const INPUTS: [&str; 12] = [
+const INPUTS: [&str; 13] = [
     "animation",
     "file",
     "lights",
@@ -56,6 +56,7 @@ const INPUTS: [&str; 12] = [
     "against",
     "original",
     "pose",
+    "update",
 ];
 
 #[test]
