@@ -17,7 +17,9 @@ impl Baking {
     /// Begins an update once a move is over, and ends one that another move has overtaken.
     pub fn follow_edits(&mut self, work: &mut Workspace, is_moving: bool) {
         let poses = &work.document.poses;
-        if let Some(run) = self.run.as_mut().filter(|run| run.of_poses.as_ref().is_some_and(|of| of != poses))
+        let is_of_others =
+            |run: &&mut Run| run.asked_by == Asker::Nobody && run.of_poses.as_ref().is_some_and(|of| of != poses);
+        if let Some(run) = self.run.as_mut().filter(is_of_others)
             && !std::mem::replace(&mut run.is_overtaken, true)
         {
             run.job.cancel();

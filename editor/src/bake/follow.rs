@@ -5,7 +5,7 @@ use super::{
     kept::{keep_draft, note_bake},
     panel::BakeStatus,
     stale::stale_now,
-    state::{Baking, Ended},
+    state::{Baking, Ended, Run},
 };
 use crate::workspace::Workspace;
 use lapidary_precompute::Leftover;
@@ -37,7 +37,7 @@ impl Baking {
                 }
                 BakeMessage::Done(baked) => {
                     work.messages.withdraw(UNDER_WAY);
-                    if let Some(run) = self.run.take().filter(|run| run.of_poses.is_none()) {
+                    if let Some(run) = self.run.take().filter(Run::is_kept) {
                         note_bake(work, &run, baked.dataset.report.vertices);
                     }
                     show_baked(work, baked, false);

@@ -141,6 +141,11 @@ impl Baking {
 }
 
 impl Run {
+    /// Whether its result is written to a file. An update that nobody asked for stays in memory.
+    pub fn is_kept(&self) -> bool {
+        self.asked_by == Asker::User || self.of_poses.is_none()
+    }
+
     /// Status of the running bake for the panel.
     pub fn status(&self) -> BakeStatus {
         let BakeProgress { draft, phase, unit, done, total } = self.job.progress();

@@ -48,7 +48,7 @@ impl StudiedPart for ObjectBases {
         draft.object_bases = ObjectBasesSettings {
             functions: wanted.functions.min(10_000),
             levels,
-            sender_level: wanted.sender_level.min(levels - 1),
+            sender_level: wanted.sender_level.min(levels.saturating_sub(1)),
         };
     }
 

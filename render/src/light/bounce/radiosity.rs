@@ -52,6 +52,11 @@ impl RadiosityRig {
         Some(Self { as_baked, posed, poses: Poses::default(), solver, lit, sky, at_vertices, light: None })
     }
 
+    /// Begins with direct light again; rays stay.
+    pub fn restart(&mut self) {
+        self.light = None;
+    }
+
     /// Takes the next step: direct light, then one bounce after another. Returns whether more steps remain.
     pub fn step(&mut self) -> bool {
         let Self { as_baked, posed, solver, lit, sky: sky_grid, light, .. } = self;

@@ -46,6 +46,10 @@ impl BounceSolver for RadiositySolver {
             return true;
         }
         let Some(rig) = rigs.radiosity(situation).filter(|_| !self.is_whole) else { return false };
+        // A pose may have come back before the rig heard of another.
+        if self.steps.is_empty() {
+            rig.restart();
+        }
         let goes_on = rig.step();
         self.energy = rig.energy();
         self.steps.push(rig.at_vertices().into());

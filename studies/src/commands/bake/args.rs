@@ -66,8 +66,8 @@ pub struct BakeArgs {
     /// Scene to bake.
     #[arg(help = format!("Scene to bake: {}", SceneFormat::names()), required_unless_present = "update")]
     pub scene: Option<PathBuf>,
-    /// Dataset to take over, with its settings: objects are moved to their place in --pose, and only what the move reaches is baked
-    /// anew
+    /// Dataset to take over, with its settings: objects are moved to their place in --pose, or back to that in the scene file
+    /// without it, and only what the move reaches is baked anew
     #[arg(
         long,
         value_name = "OLD.cuts",
