@@ -35,7 +35,7 @@ pub use bake::{
     checkpoint::{Chunk, Leftover, leftover},
     merge,
     settings::{Preset, ResolvedBake, resolve, with_room},
-    update::update,
+    update::{update, update_file},
 };
 pub use bake::{most_vertices, tessellation_units};
 pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError, ShardError};

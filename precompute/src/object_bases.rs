@@ -3,7 +3,7 @@
 //! Objects are covered whole, on every side that is seen: what other objects cover as baked may lie open after a move.
 
 use lapidary_core::{
-    dataset::ObjectBasesSettings,
+    dataset::{ObjectBasesReport, ObjectBasesSettings},
     mesh::Mesh,
     mesh_surface::MeshSurface,
     meshless::{ObjectBases, Owner},
@@ -11,7 +11,7 @@ use lapidary_core::{
 };
 use rayon::prelude::*;
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     sync::atomic::{AtomicU64, Ordering},
 };
 
@@ -58,9 +58,14 @@ pub fn place_object_bases(
     Ok(ObjectBases::new(&levels, radii, settings.sender_level)?)
 }
 
-/// Distance of the finest level's points in meters.
-pub fn finest_spacing(bases: &ObjectBases) -> f32 {
-    bases.radii()[bases.levels() - 1] / OVERLAP
+/// The report of some bases.
+pub fn report_of(bases: &ObjectBases) -> ObjectBasesReport {
+    ObjectBasesReport {
+        objects: bases.owners().iter().map(|owner| owner.object).collect::<BTreeSet<_>>().len(),
+        functions: (0..bases.levels()).map(|level| bases.level(level).len()).collect(),
+        finest_spacing: bases.radii()[bases.levels() - 1] / OVERLAP,
+        bytes_points: (bases.len() * size_of::<Surfel>()) as u64,
+    }
 }
 
 fn triangles_of_objects(mesh: &Mesh) -> Vec<Vec<u32>> {

@@ -19,8 +19,8 @@ use super::{
     validate::check_surfel,
 };
 use crate::{
-    mesh::Mesh,
     meshless::{BasisError, ObjectBases, Owner},
+    scene::Scene,
     surfel::Surfel,
 };
 use safetensors::Dtype;
@@ -76,7 +76,7 @@ impl StoredPart for StoredObjectBases {
     }
 
     fn read(&self, reader: &Reader, dataset: &mut Dataset) -> Result<(), Damage> {
-        dataset.object_bases = reader.object_bases(&dataset.scene.mesh)?.map(Into::into);
+        dataset.object_bases = reader.object_bases(&dataset.scene)?.map(Into::into);
         Ok(())
     }
 
@@ -103,11 +103,13 @@ fn tensors(bases: &ObjectBases) -> Vec<Tensor<'_>> {
 }
 
 impl Reader<'_> {
-    /// The bases of the objects of a mesh, if there are any.
-    fn object_bases(&self, mesh: &Mesh) -> Result<Option<ObjectBases>, Damage> {
+    /// The bases of the objects of a scene, if there are any.
+    fn object_bases(&self, Scene { mesh, materials, objects, .. }: &Scene) -> Result<Option<ObjectBases>, Damage> {
         if !self.has("radiosity_positions") {
             return Ok(None);
         }
+        // Owners are those of the triangles.
+        mesh.validate(materials.len(), objects.len())?;
         let points = self.surfels("radiosity")?;
         check(&points, mesh.triangles.len())?;
         let offsets: Vec<u32> = self.array("radiosity_levels", Dtype::U32, &[], None)?;

@@ -42,7 +42,8 @@ pub struct BakeReport {
     /// Whether a graphics device traced the environment; its rays along edges may fall to either side.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub on_device: bool,
-    /// How often cuts were baked anew where an edit reached. They may then be finer than those of a whole bake.
+    /// How often cuts were baked anew where an edit reached. They may then be finer than those of a whole bake. Rays are those of
+    /// the last update, errors those of the whole bake before it.
     #[serde(skip_serializing_if = "is_zero")]
     pub updates: u32,
     /// The baked parts.

@@ -76,6 +76,8 @@ pub struct ObjectBases {
     /// Radius of support of each level in meters.
     radii: Vec<f32>,
     sender_level: usize,
+    /// Number of objects with grids; those beyond have no functions.
+    objects: u32,
     grid: FunctionGrid,
     /// For each function: the functions of the level before in the same object that reach its point, with their values there.
     parents: SparseRows,
@@ -128,8 +130,10 @@ impl ObjectBases {
         }
         super::basis::check_points(&points)?;
         super::basis::check_radii(&radii)?;
-        let grid = grid(&points, &owners, &offsets, &radii);
-        let mut bases = Self { points, owners, offsets, radii, sender_level, grid, parents: SparseRows::default() };
+        let objects = owners.iter().map(|owner| owner.object + 1).max().unwrap_or(0);
+        let grid = grid(&points, &owners, &offsets, &radii, objects);
+        let parents = SparseRows::default();
+        let mut bases = Self { points, owners, offsets, radii, sender_level, objects, grid, parents };
         bases.parents = SparseRows::build(bases.len(), |function, out| {
             let level = bases.level_of(function as u32);
             let (point, object) = (&bases.points[function], bases.owners[function].object);
@@ -196,6 +200,9 @@ impl ObjectBases {
     /// Appends the functions of a level of an object that are not zero at a point as baked, with their values there. The values sum to
     /// one, unless no function reaches the point.
     pub fn values(&self, level: usize, object: u32, at: &Surfel, out: &mut Vec<(u32, f32)>) {
+        if object >= self.objects {
+            return;
+        }
         let first = out.len();
         let slot = self.grid.slot_at(self.key(object, level), at.position);
         let point = (at.position, at.normal);
@@ -230,8 +237,7 @@ impl ObjectBases {
 }
 
 /// A grid in which each object and level has its own cells.
-fn grid(points: &[Surfel], owners: &[Owner], offsets: &[u32], radii: &[f32]) -> FunctionGrid {
-    let objects = owners.iter().map(|owner| owner.object + 1).max().unwrap_or(0);
+fn grid(points: &[Surfel], owners: &[Owner], offsets: &[u32], radii: &[f32], objects: u32) -> FunctionGrid {
     let of = |(object, level): (u32, usize)| {
         let [first, end] = [offsets[level], offsets[level + 1]].map(|i| i as usize);
         let place = |object: u32| first + owners[first..end].partition_point(|owner| owner.object < object);

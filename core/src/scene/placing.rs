@@ -45,7 +45,7 @@ impl Scene {
         let since = self.poses_since_baked(of_file);
         self.mesh = since.pose(&self.mesh, &before)?;
         let after = Objects::of(self);
-        let is_deformed = |placed: &&Placed| placed.pose == Pose::AS_BAKED;
+        let is_deformed = |placed: &&Placed| self.clip_time.is_some() || placed.pose == Pose::AS_BAKED;
         let deformed = self.placed.iter().filter(is_deformed).map(|placed| placed.object);
         let placed_objects: BTreeSet<u32> =
             deformed.chain(of_file.moved()).filter(|&o| (o as usize) < before.len()).collect();

@@ -24,7 +24,7 @@ impl Baking {
         {
             run.job.cancel();
         }
-        let is_idle = !is_moving && self.run.is_none() && self.ended.is_none();
+        let is_idle = !is_moving && self.run.is_none() && self.refused.as_ref() != Some(&work.document.poses);
         if let Some(edited) = (is_idle && work.preferences.follows_edits).then(|| edited(work)).flatten() {
             self.begin_update(work, edited, None, Asker::Nobody);
         }

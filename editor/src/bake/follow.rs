@@ -37,12 +37,17 @@ impl Baking {
                 }
                 BakeMessage::Done(baked) => {
                     work.messages.withdraw(UNDER_WAY);
-                    if let Some(run) = self.run.take().filter(Run::is_kept) {
+                    let kept = self.run.take().filter(Run::is_kept);
+                    (self.is_unwritten, self.refused) = (kept.is_none(), None);
+                    if let Some(run) = kept {
                         note_bake(work, &run, baked.dataset.report.vertices);
                     }
                     show_baked(work, baked, false);
                 }
                 BakeMessage::Cancelled if self.run.as_ref().is_some_and(|run| run.is_overtaken) => self.run = None,
+                BakeMessage::Cancelled if self.run.as_ref().is_some_and(|run| !run.is_kept()) => {
+                    self.refused = self.run.take().and_then(|run| run.of_poses);
+                }
                 BakeMessage::Cancelled => self.end(work, Ended::Cancelled),
                 BakeMessage::Failed(error) => {
                     work.messages.error(format!("The bake failed: {error}"));
@@ -53,7 +58,7 @@ impl Baking {
     }
 
     fn end(&mut self, work: &mut Workspace, ended: Ended) {
-        self.run = None;
+        self.refused = self.run.take().and_then(|run| run.of_poses);
         work.messages.withdraw(UNDER_WAY);
         self.ended = Some(ended);
     }

@@ -16,6 +16,7 @@ impl Baking {
     /// Writes the shown bake where the user wants it, if another bake would give the same. Returns whether it would.
     pub fn write_kept(&mut self, work: &mut Workspace) -> bool {
         let is_elsewhere = work.scene.kept_output != work.scene.bake_output && work.document.dataset.is_none();
+        let is_elsewhere = is_elsewhere || self.is_unwritten;
         let whole = work.scene.shown().filter(|_| is_elsewhere && !work.scene.is_draft && stale_now(work).is_empty());
         let Some((whole, output)) = whole.cloned().zip(work.scene.bake_output.clone()) else { return false };
         if work.may_write(&output, Written::Dataset) {
@@ -43,6 +44,7 @@ impl Baking {
             Ok(output) => {
                 work.messages.note(format!("Bake written ({})", output.display()));
                 work.document.dataset = Some(output);
+                self.is_unwritten = false;
             }
             Err(error) => work.messages.error(error),
         }

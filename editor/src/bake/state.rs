@@ -21,6 +21,10 @@ pub struct Baking {
     pub ended: Option<Ended>,
     /// Held by the running bake, and by an abandoned one until it stops.
     pub turn: Arc<Mutex<()>>,
+    /// Poses for which an update ended without a result; it is not tried again by itself.
+    pub refused: Option<Poses>,
+    /// The shown bake is an update that is in no file.
+    pub is_unwritten: bool,
     /// A kept bake that is being written where the user wants it.
     pub written: Option<Receiver<Result<PathBuf, String>>>,
     /// The remains of an interrupted bake, and the inputs for which they were read.

@@ -19,25 +19,29 @@ use super::{
 use crate::{
     errors::{BakeError, CutsOf},
     meshless::meshless_bake,
+    object_bases::{place_object_bases, report_of},
     observer::{Observer, Phase},
     sources::sampler::SourceSampler,
-    vertices::{points::BakePoint, sidedness::classify},
+    vertices::{points::BakePoint, sampler::bake_points, sidedness::classify},
 };
 use change::Change;
 use glam::Vec3;
 use lapidary_core::{
     cut::packed::PackedCuts,
     dataset::{BakeRun, Dataset, MeshlessReport},
+    lock::OutputLock,
     memory,
     mesh::Mesh,
     mesh_surface::MeshSurface,
     meshless::{MeshlessBake, ObjectBases, Owner},
+    output::check_output,
+    ray::Intersector,
     scene::{Scene, pose::check_objects},
     sources::{IndirectBake, Source},
     surfel::{Surface, Surfel},
 };
 use renewed::{OldCuts, RenewedEnvironment, RenewedSources};
-use std::sync::Arc;
+use std::path::Path;
 
 /// The dataset of an edited scene, which has the same triangles, objects and materials. Objects may have moved, opacities may have
 /// changed. Settings of the bake stay.
@@ -47,6 +51,23 @@ use std::sync::Arc;
 pub fn update(before: &Dataset, scene: Scene, observer: &dyn Observer) -> Result<Dataset, BakeError> {
     let change = Change::between(&before.scene, &scene);
     update_where(before, scene, &change, observer)
+}
+
+/// [`update`] with the result in a file. Only one bake at a time writes an output.
+///
+/// # Errors
+/// As [`update`], and an output that cannot be written, told before the work.
+pub fn update_file(
+    before: &Dataset,
+    scene: Scene,
+    output: &Path,
+    observer: &dyn Observer,
+) -> Result<Dataset, BakeError> {
+    check_output(output, &[])?;
+    let _lock = OutputLock::acquire(output)?;
+    let updated = update(before, scene, observer)?;
+    updated.write(output)?;
+    Ok(updated)
 }
 
 /// [`update`] where a change reaches.
@@ -61,16 +82,17 @@ fn update_where(
         return Ok(Dataset { scene, ..before.clone() });
     }
     let mut clock = Clock::new(observer, 0.0);
-    let mut geometry = Geometry::of_dataset(without_parts(before, scene));
-    bury_again(&mut geometry, change, observer)?;
+    let geometry = edited_geometry(before, scene, change, observer)?;
     let updating = Updating { before, geometry: &geometry, change };
     let environment = updating.environment(&mut clock)?;
     let indirect = updating.sources(&mut clock)?;
-    let object_bases = before.object_bases.as_deref().map(|bases| updating.object_bases(bases)).transpose()?;
+    let object_bases =
+        before.object_bases.as_deref().map(|bases| updating.object_bases(bases, observer)).transpose()?;
     let meshless = updating.meshless(&mut clock)?;
     let (points, vertex_valid) = (geometry.bake_points(), geometry.vertex_valid());
     let buried_points = geometry.buried.iter().filter(|&&buried| buried).count();
-    let mut updated = Dataset { vertex_valid, ..without_parts(before, geometry.scene) };
+    let two_sided = geometry.sides.two_sided;
+    let mut updated = Dataset { vertex_valid, two_sided, ..without_parts(before, geometry.scene) };
     let report = &mut updated.report;
     (report.bake_points, report.buried_points) = (points, buried_points);
     report.updates += 1;
@@ -88,7 +110,9 @@ fn update_where(
         report.area = bake.sources.iter().map(|source| f64::from(source.area)).sum();
         updated.indirect = Some(bake);
     }
-    updated.object_bases = object_bases.map(Arc::new);
+    if let Some(bases) = object_bases {
+        (report.object_bases, updated.object_bases) = (Some(report_of(&bases)), Some(bases.into()));
+    }
     if let Some((bake, of_basis)) = meshless {
         (updated.meshless, report.meshless) = (Some(bake.into()), Some(of_basis));
     }
@@ -115,17 +139,28 @@ fn without_parts(before: &Dataset, scene: Scene) -> Dataset {
     }
 }
 
-/// Looks again which points are buried where something was or is.
-fn bury_again(geometry: &mut Geometry, change: &Change, observer: &dyn Observer) -> Result<(), BakeError> {
-    let sides = classify(&geometry.scene);
+/// The geometry after the edit: thin surfaces are seen from both sides, and what something was or is around of may be buried.
+fn edited_geometry(
+    before: &Dataset,
+    scene: Scene,
+    change: &Change,
+    observer: &dyn Observer,
+) -> Result<Geometry, BakeError> {
+    let sides = classify(&scene);
+    let mut dataset = without_parts(before, scene);
+    change.other_opacity().iter().for_each(|&triangle| dataset.two_sided[triangle] = sides.two_sided[triangle]);
+    let mut geometry = Geometry::of_dataset(dataset);
     let now = geometry.points.buried(&geometry.intersector, &sides, observer)?;
     for ((buried, now), point) in geometry.buried.iter_mut().zip(now).zip(&geometry.points.points) {
-        if change.reaches(point.position) {
+        if change.is_around(point.position) {
             *buried = now;
         }
     }
-    Ok(())
+    Ok(geometry)
 }
+
+/// Relative change of areas below which objects have the size of before.
+const SAME_SIZE: f32 = 1e-3;
 
 /// Inputs of an update.
 struct Updating<'a> {
@@ -156,18 +191,19 @@ impl Updating<'_> {
         if !before.settings.mode.environment() {
             return Ok(None);
         }
-        let of_point = self.vertex_of_points();
+        let of_point = self.vertex_of_points(&bake_points(before).points, &geometry.points.points);
         let old = OldCuts::of_visibility(&before.cuts, before.tree.height(), of_point);
         let maker = RenewedEnvironment::new(before, &geometry.intersector, (&geometry.points.points, old), change);
         let cuts = renewed(&maker, Phase::Visibility, clock)?;
         Ok(Some(pack(&cuts, None, geometry.points.of_vertex.iter().copied(), CutsOf::Environment)?))
     }
 
-    /// For each point a vertex that has it; one that did not move, if there is any.
-    fn vertex_of_points(&self) -> Vec<Option<u32>> {
-        let mut of_point = vec![None; self.geometry.bake_points()];
-        for (vertex, &point) in (0..).zip(&self.geometry.points.of_vertex) {
-            if !self.change.has_moved(vertex) {
+    /// For each point a vertex whose cut was of the very same point; none where the point moved, or samples elsewhere.
+    fn vertex_of_points(&self, before: &[BakePoint], now: &[BakePoint]) -> Vec<Option<u32>> {
+        let of_vertex = bake_points(self.before).of_vertex;
+        let mut of_point = vec![None; now.len()];
+        for ((vertex, &point), &point_before) in (0..).zip(&self.geometry.points.of_vertex).zip(&of_vertex) {
+            if now[point as usize] == before[point_before as usize] {
                 of_point[point as usize] = Some(vertex);
             }
         }
@@ -185,7 +221,9 @@ impl Updating<'_> {
         let report = before.report.indirect.as_ref();
         let per_probe = report.map_or(1, |report| report.sources_per_probe());
         let sampler = SourceSampler::new(&geometry.intersector, &sources, offset, per_probe);
-        let of_point = self.vertex_of_points();
+        let rays = Intersector::of_scene(&before.scene);
+        let receivers_before = bake_points(before).for_sources(&before.scene.mesh, &rays, &before.settings.shots);
+        let of_point = self.vertex_of_points(&receivers_before, &receivers);
         let old = OldCuts::of_solid_angles(&bake.cuts, bake.sources.len().ilog2(), of_point);
         let maker = RenewedSources::new(before, sampler, (&sources, &bake.sources), (&receivers, old), change);
         let cuts = renewed(&maker, Phase::SourceVisibility, clock)?;
@@ -228,11 +266,16 @@ impl Updating<'_> {
         }
     }
 
-    /// The functions of objects where they are now.
-    fn object_bases(&self, bases: &ObjectBases) -> Result<ObjectBases, BakeError> {
-        let mesh = &self.geometry.scene.mesh;
+    /// The functions of objects where they are now; placed anew if an object has another size, for distances are those of all.
+    fn object_bases(&self, bases: &ObjectBases, observer: &dyn Observer) -> Result<ObjectBases, BakeError> {
+        let [before, now] = [&self.before.scene.mesh, &self.geometry.scene.mesh];
+        let area = |mesh: &Mesh, point: &Surfel| mesh.area_vector(point.place.triangle as usize).length();
+        let is_as_large = |point: &Surfel| (area(now, point) / area(before, point) - 1.0).abs() < SAME_SIZE;
+        if !bases.points().iter().all(is_as_large) {
+            return place_object_bases(now, &self.surface(), &self.before.settings.object_bases, observer);
+        }
         let place =
-            |(point, owner): (&Surfel, &Owner)| mesh.surfel(point.place.triangle, point.place.barycentric, owner.back);
+            |(point, owner): (&Surfel, &Owner)| now.surfel(point.place.triangle, point.place.barycentric, owner.back);
         let points = bases.points().iter().zip(bases.owners()).map(place).collect();
         let (owners, offsets) = (bases.owners().to_vec(), bases.offsets().to_vec());
         Ok(ObjectBases::from_parts(points, owners, offsets, bases.radii().to_vec(), bases.sender_level())?)

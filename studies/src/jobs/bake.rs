@@ -15,7 +15,7 @@ use super::{
 };
 use lapidary_core::{dataset::Dataset, output::OutputError, scene::Scene, threads::on_threads};
 use lapidary_precompute::{
-    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Setting, bake, resolve, update,
+    BakeError, BakeJob, CheckpointError, Event, Observer, Phase, Setting, bake, resolve, update, update_file,
 };
 use lapidary_render::Baked;
 use pace::PhasePace;
@@ -281,10 +281,9 @@ fn ended(result: Result<Dataset, BakeError>, teller: &Teller) -> BakeMessage {
 fn run_update(task: UpdateTask, teller: &Teller) -> BakeMessage {
     let UpdateTask { before, scene, output, turn, .. } = task;
     let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
-    let updated = on_threads(cores(), || {
-        let updated = update(&before.dataset, scene, teller)?;
-        output.map_or(Ok(()), |output| updated.write(&output))?;
-        Ok(updated)
+    let updated = on_threads(cores(), || match output {
+        Some(output) => update_file(&before.dataset, scene, &output, teller),
+        None => update(&before.dataset, scene, teller),
     });
     ended(updated, teller)
 }

@@ -4,11 +4,10 @@ use super::bounces::Bouncing;
 use crate::{
     bake::clock::Clock,
     errors::BakeError,
-    object_bases::{finest_spacing, place_object_bases},
+    object_bases::{place_object_bases, report_of},
     observer::Phase,
 };
-use lapidary_core::{dataset::ObjectBasesReport, meshless::ObjectBases, scene::pose::check_objects, surfel::Surfel};
-use std::collections::BTreeSet;
+use lapidary_core::{dataset::ObjectBasesReport, meshless::ObjectBases, scene::pose::check_objects};
 
 impl Bouncing<'_> {
     /// Places the functions, timed.
@@ -18,12 +17,7 @@ impl Bouncing<'_> {
         let bases = clock.time(Phase::ObjectBases, u64::from(settings.functions), "functions", || {
             place_object_bases(&self.geometry.scene.mesh, surface, settings, observer)
         })?;
-        let report = ObjectBasesReport {
-            objects: bases.owners().iter().map(|owner| owner.object).collect::<BTreeSet<_>>().len(),
-            functions: (0..bases.levels()).map(|level| bases.level(level).len()).collect(),
-            finest_spacing: finest_spacing(&bases),
-            bytes_points: (bases.len() * size_of::<Surfel>()) as u64,
-        };
+        let report = report_of(&bases);
         Ok((bases, report))
     }
 }

@@ -6,33 +6,40 @@ use lapidary_core::{bounds::Bounds, mesh::Mesh, opacity::Opacities, scene::Scene
 /// Margin of the boxes, as a share of the scene's diagonal: rays start off surfaces.
 const MARGIN: f32 = 1e-4;
 
-/// The boxes of what changed, before and after, and the vertices that moved.
+/// What changed between two scenes with the same triangles.
 pub struct Change {
+    /// Boxes of what changed, before and after, by object and material: what rays may meet.
     boxes: Vec<Bounds>,
-    has_moved: Vec<bool>,
+    /// The same by object: what points may be inside of.
+    around: Vec<Bounds>,
+    /// Triangles with another opacity.
+    other_opacity: Vec<usize>,
 }
 
 impl Change {
-    /// Compares two scenes with the same triangles.
+    /// Compares two scenes.
     pub fn between(before: &Scene, now: &Scene) -> Self {
-        let has_moved: Vec<bool> = (0..now.mesh.positions.len())
-            .map(|v| (before.mesh.positions[v], before.mesh.normals[v]) != (now.mesh.positions[v], now.mesh.normals[v]))
-            .collect();
         let [opacity_before, opacity_now] = [before, now].map(Opacities::of_scene);
         let is_same_light = opacity_before.agree(&opacity_now, &now.mesh);
-        let is_changed = |triangle: usize| {
-            now.mesh.triangles[triangle].iter().any(|&v| has_moved[v as usize])
-                || !is_same_light && !opacity_before.agree_at(&opacity_now, &now.mesh, triangle as u32)
+        let lets_through_otherwise =
+            |triangle: &usize| !is_same_light && !opacity_before.agree_at(&opacity_now, &now.mesh, *triangle as u32);
+        let has_moved = |vertex: &u32| {
+            let v = *vertex as usize;
+            (before.mesh.positions[v], before.mesh.normals[v]) != (now.mesh.positions[v], now.mesh.normals[v])
         };
-        let changed: Vec<usize> = (0..now.mesh.triangles.len()).filter(|&triangle| is_changed(triangle)).collect();
+        let all = || 0..now.mesh.triangles.len();
+        let other_opacity: Vec<usize> = all().filter(lets_through_otherwise).collect();
+        let moved = all().filter(|&triangle| now.mesh.triangles[triangle].iter().any(has_moved));
+        let changed: Vec<usize> = moved.chain(other_opacity.iter().copied()).collect();
         let margin = MARGIN * now.mesh.bounds().diagonal();
-        let part = |triangle: usize| (now.mesh.triangle_object[triangle], now.mesh.triangle_material[triangle]);
-        let boxes = |mesh: &Mesh| {
-            let of_parts = mesh.bounds_by(changed.iter().copied(), part).into_iter();
-            of_parts.map(move |bounds| bounds.grown(margin))
-        };
-        let boxes = boxes(&before.mesh).chain(boxes(&now.mesh)).collect();
-        Self { boxes, has_moved }
+        let object = |triangle: usize| now.mesh.triangle_object[triangle];
+        let part = |triangle: usize| (object(triangle), now.mesh.triangle_material[triangle]);
+        let meshes = [&before.mesh, &now.mesh];
+        let grown = |boxes: Vec<Bounds>| boxes.into_iter().map(|bounds| bounds.grown(margin)).collect::<Vec<_>>();
+        let of_parts = |mesh: &Mesh| grown(mesh.bounds_by(changed.iter().copied(), part));
+        let of_objects = |mesh: &Mesh| grown(mesh.bounds_by(changed.iter().copied(), object));
+        let (boxes, around) = (meshes.map(of_parts).concat(), meshes.map(of_objects).concat());
+        Self { boxes, around, other_opacity }
     }
 
     /// Whether nothing changed that light meets.
@@ -40,26 +47,26 @@ impl Change {
         self.boxes.is_empty()
     }
 
-    /// Whether a vertex moved or turned.
-    pub fn has_moved(&self, vertex: u32) -> bool {
-        self.has_moved[vertex as usize]
-    }
-
     /// Boxes around what changed.
     pub fn boxes(&self) -> &[Bounds] {
         &self.boxes
     }
 
-    /// Whether something that changed was or is around a point.
-    pub fn reaches(&self, at: Vec3) -> bool {
-        self.boxes.iter().any(|b| b.contains(at))
+    /// Whether a point is or was within the box of an object that changed.
+    pub fn is_around(&self, at: Vec3) -> bool {
+        self.around.iter().any(|b| b.contains(at))
+    }
+
+    /// Triangles that let other light through.
+    pub fn other_opacity(&self) -> &[usize] {
+        &self.other_opacity
     }
 
     /// Only the first or the second half of the boxes: what was before, or what is now.
     #[cfg(test)]
-    pub fn half(&self, second: bool) -> Self {
+    pub fn half(mut self, second: bool) -> Self {
         let half = self.boxes.len() / 2;
-        let boxes = if second { self.boxes[half..].to_vec() } else { self.boxes[..half].to_vec() };
-        Self { boxes, has_moved: self.has_moved.clone() }
+        self.boxes = if second { self.boxes.split_off(half) } else { self.boxes[..half].to_vec() };
+        self
     }
 }

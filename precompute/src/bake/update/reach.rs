@@ -57,9 +57,6 @@ impl<'a> LightReach<'a> {
         let granules = || self.cones.iter().zip(self.directions.chunks(leaves_of_granule(self.directions.len())));
         for &side in point.sides() {
             let origin = point.origin(side);
-            if self.change.reaches(origin) {
-                return stale.fill(true);
-            }
             for bounds in self.change.boxes() {
                 let meets = |(cone, directions): (&Cone, &[Vec3])| {
                     cone.may_meet(origin, bounds)
@@ -105,7 +102,6 @@ impl<'a> SourceReach<'a> {
         stale.clear();
         let size = leaves_of_granule(self.sources.len());
         let sides: &[Side] = point.sides();
-        let is_within = sides.iter().any(|&side| self.change.reaches(point.origin(side)));
         let meets = |source: &Source, origin: Vec3| {
             let toward = source.surfel.position - origin;
             self.change.boxes().iter().any(|b| b.grown(radius(source)).meets_ray(origin, toward, 1.0))
@@ -116,8 +112,7 @@ impl<'a> SourceReach<'a> {
                 let hull = Bounds::around([around.min, around.max, origin]);
                 self.change.boxes().iter().any(|b| overlap(&hull, b))
             };
-            is_within
-                || has_moved.contains(&true)
+            has_moved.contains(&true)
                 || sides
                     .iter()
                     .map(|&side| point.origin(side))

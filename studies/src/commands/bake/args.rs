@@ -13,7 +13,6 @@ use lapidary_core::{
     animation::{BoundAnimation, ClipTime, Playback},
     dataset::{BakeParts, BakeReport, BakeSettings, Dataset},
     ground::Ground,
-    lock::OutputLock,
     ray::RayDevices,
     scene::{Scene, pose::Poses},
 };
@@ -23,7 +22,7 @@ use lapidary_interchange::{
     image,
     import::{ImportOptions, import_with},
 };
-use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve, update};
+use lapidary_precompute::{BakeError, BakeJob, Preset, Shard, bake_on, bake_shard, resolve, update_file};
 use lapidary_render::{
     BackendError,
     gpu::{GpuRays, Room, SharedDevice},
@@ -229,9 +228,7 @@ impl BakeArgs {
         let poses = self.pose.as_deref().map(|path| Poses::read(path, &dataset.scene)).transpose()?;
         let mut scene = dataset.scene.clone();
         scene.place_again(&poses.unwrap_or_default()).map_err(BakeError::Pose)?;
-        let _lock = OutputLock::acquire(&self.output)?;
-        let updated = update(&dataset, scene, &progress)?;
-        updated.write(&self.output)?;
+        let updated = update_file(&dataset, scene, &self.output, &progress)?;
         progress.finish();
         Ok(updated.report)
     }
