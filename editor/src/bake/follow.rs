@@ -37,7 +37,11 @@ impl Baking {
                 }
                 BakeMessage::Done(baked) => {
                     work.messages.withdraw(UNDER_WAY);
-                    let kept = self.run.take().filter(Run::is_kept);
+                    let run = self.run.take();
+                    if run.as_ref().is_none_or(|run| run.of_poses.is_none()) {
+                        self.whole = None;
+                    }
+                    let kept = run.filter(Run::is_kept);
                     (self.is_unwritten, self.refused) = (kept.is_none(), None);
                     if let Some(run) = kept {
                         note_bake(work, &run, baked.dataset.report.vertices);

@@ -4,6 +4,7 @@ use super::panel::{BakeStatus, Draft, line};
 use crate::workspace::BakeStage;
 use lapidary_core::{dataset::BakeParts, ground::Ground, scene::pose::Poses};
 use lapidary_precompute::{BakeJob, Leftover, Phase, ResolvedBake};
+use lapidary_render::Baked;
 use lapidary_studies::jobs::{
     Wake,
     bake::{BakeProgress, BakeRun, BakeTask},
@@ -23,6 +24,9 @@ pub struct Baking {
     pub turn: Arc<Mutex<()>>,
     /// Poses for which an update ended without a result; it is not tried again by itself.
     pub refused: Option<Poses>,
+    /// The whole bake of which the shown one is an update. The next update is one of it too, so that changes do not add up, and
+    /// the way back leads to it.
+    pub whole: Option<Baked>,
     /// The shown bake is an update that is in no file.
     pub is_unwritten: bool,
     /// A kept bake that is being written where the user wants it.

@@ -143,6 +143,8 @@ fn after_a_move_cuts_are_baked_anew_by_themselves_and_after_its_undo_again() {
     wait_for_picture(&mut window);
     let file = || std::fs::read(place.path("scene.cuts")).unwrap();
     let before = file();
+    let cuts = |s: &EditorState| s.work.scene.baked.as_ref().unwrap().dataset.cuts.clone();
+    let as_baked = cuts(window.0.state());
     window.0.state_mut().work.document.bake = few_lights();
     let moved = Pose { translate: Vec3::X * 0.4, ..Pose::AS_BAKED };
     pose(&mut window, moved);
@@ -153,8 +155,10 @@ fn after_a_move_cuts_are_baked_anew_by_themselves_and_after_its_undo_again() {
     let is_by_cuts = |s: &EditorState| s.picture.shown().is_some_and(|p| p.tier == Tier::Cuts);
     window.wait("the picture by cuts", |s| placed(s) == moved && is_by_cuts(s));
     assert!(stale_now(&window.0.state().work).is_empty() && file() == before, "nothing is written");
+    assert!(!cuts(window.0.state()).has_same_stored(&as_baked), "negative control");
     window.perform(Action::Undo);
     window.wait("the way back", |s| placed(s) == Pose::AS_BAKED && s.baking.run.is_none() && is_by_cuts(s));
+    assert!(cuts(window.0.state()).has_same_stored(&as_baked), "the bake of before");
 }
 
 #[test]

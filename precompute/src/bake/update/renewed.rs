@@ -47,9 +47,23 @@ impl<'a> OldCuts<'a> {
         self.of_point[point].map(|cut| self.cuts.cut(self.height, cut))
     }
 
-    /// The parts of a point's cut; `stale` tells which granules the edit reaches.
-    fn parts(&self, point: usize, stale: impl FnOnce() -> Vec<bool>) -> Vec<CutPart> {
-        self.of(point).map_or(CutPart::ALL.to_vec(), |cut| cut_parts(self.height, cut, &stale(), self.is_uniform))
+    /// The cut of a point: the old one where the edit reaches no part of it, else one that `select` makes of its parts. `stale` tells
+    /// which granules the edit reaches; the leaves below stale parts are marked.
+    fn renewed(
+        &self,
+        point: usize,
+        marked: &mut [bool],
+        stale: impl FnOnce(&mut Vec<bool>),
+        select: impl FnOnce(&[CutPart], &[bool]) -> MadeCut,
+    ) -> MadeCut {
+        let Some(old) = self.of(point) else {
+            marked.fill(true);
+            return select(&CutPart::ALL, marked);
+        };
+        let mut is_stale = Vec::new();
+        stale(&mut is_stale);
+        let parts = cut_parts(self.height, old, &is_stale, self.is_uniform);
+        if mark(self.height, &parts, marked) { select(&parts, marked) } else { (old.to_vec(), 0.0, 0) }
     }
 }
 
@@ -64,10 +78,6 @@ fn mark(height: u32, parts: &[CutPart], marked: &mut [bool]) -> bool {
         }
     }
     any
-}
-
-fn kept(old: &OldCuts, point: usize) -> MadeCut {
-    (old.of(point).expect("only a known cut is kept").to_vec(), 0.0, 0)
 }
 
 /// Visibility of the environment's lights.
@@ -114,23 +124,22 @@ impl CutMaker for RenewedEnvironment<'_> {
             (selector, BoundaryTracer::default(), vec![0; leaves], vec![false; leaves])
         };
         type Buffers = (CutSelector, BoundaryTracer, Vec<u8>, Vec<bool>);
-        let one = |(selector, tracer, visible, marked): &mut Buffers, point: usize| {
-            let mut stale = Vec::new();
-            let mut parts = self.old.parts(point, || {
-                self.reach.stale(&self.points[point], &mut stale);
-                stale
-            });
-            if !mark(self.old.height, &parts, marked) {
-                return kept(&self.old, point);
-            }
-            if !self.criterion.is_local(leaves) {
-                parts = CutPart::ALL.to_vec();
-                marked.fill(true);
-            }
-            let rays = self.sampler.sample_some(&self.points[point], Some(marked), tracer, visible);
-            let mut cut = Vec::new();
-            let squared_error = selector.select_parts(visible, &parts, &mut cut);
-            (cut, squared_error, rays)
+        let one = |(selector, tracer, visible, marked): &mut Buffers, index: usize| {
+            let point = &self.points[index];
+            self.old.renewed(
+                index,
+                marked,
+                |stale| self.reach.stale(point, stale),
+                |parts, marked| {
+                    // A bound on the whole cut needs all leaves.
+                    let is_local = self.criterion.is_local(leaves);
+                    let parts = if is_local { parts } else { &CutPart::ALL };
+                    let rays = self.sampler.sample_some(point, is_local.then_some(marked), tracer, visible);
+                    let mut cut = Vec::new();
+                    let squared_error = selector.select_parts(visible, parts, &mut cut);
+                    (cut, squared_error, rays)
+                },
+            )
         };
         Ok(points.into_par_iter().map_init(scratch, one).collect())
     }
@@ -176,19 +185,19 @@ impl CutMaker for RenewedSources<'_> {
             (selector, SourceScratch::default(), vec![0.0; sources], vec![false; sources])
         };
         type Buffers = (SourceCutSelector, SourceScratch, Vec<f32>, Vec<bool>);
-        let one = |(selector, scratch, seen, marked): &mut Buffers, point: usize| {
-            let mut stale = Vec::new();
-            let parts = self.old.parts(point, || {
-                self.reach.stale(&self.points[point], &mut stale);
-                stale
-            });
-            if !mark(self.old.height, &parts, marked) {
-                return kept(&self.old, point);
-            }
-            let rays = self.sampler.sample_some(&self.points[point], |source| marked[source], scratch, seen);
-            let mut cut = Vec::new();
-            selector.select_parts(seen, &parts, &mut cut);
-            (cut, 0.0, rays)
+        let one = |(selector, scratch, seen, marked): &mut Buffers, index: usize| {
+            let point = &self.points[index];
+            self.old.renewed(
+                index,
+                marked,
+                |stale| self.reach.stale(point, stale),
+                |parts, marked| {
+                    let rays = self.sampler.sample_some(point, |source| marked[source], scratch, seen);
+                    let mut cut = Vec::new();
+                    selector.select_parts(seen, parts, &mut cut);
+                    (cut, 0.0, rays)
+                },
+            )
         };
         Ok(points.into_par_iter().map_init(scratch, one).collect())
     }

@@ -12,7 +12,10 @@ use crate::{
     vertices::sampler::VertexSampler,
 };
 use lapidary_core::{
-    cut::packed::{depth, pack_node},
+    cut::{
+        CutCriterion,
+        packed::{depth, pack_node},
+    },
     dataset::{BakeParts, BakeSettings, IndirectSettings, ObjectBasesSettings},
     ray::{Intersector, OPEN},
     scene::pose::{Pose, Poses},
@@ -32,10 +35,15 @@ fn room_with_block() -> Scene {
 }
 
 fn baked(mode: BakeParts, exhaustive: bool) -> Dataset {
+    baked_with(mode, exhaustive, CutCriterion::default())
+}
+
+fn baked_with(mode: BakeParts, exhaustive: bool, criterion: CutCriterion) -> Dataset {
     let folder = tempfile::tempdir().unwrap();
     let indirect = IndirectSettings { sources: 512, viewpoint: Some(Vec3::new(-0.5, 0.0, 0.0)), ..Default::default() };
     let object_bases = ObjectBasesSettings { functions: 500, levels: 3, sender_level: 1 };
-    let draft = BakeSettings { mode, indirect, object_bases, exhaustive, lights: 4096, ..Preset::Draft.settings() };
+    let draft =
+        BakeSettings { mode, indirect, object_bases, exhaustive, criterion, lights: 4096, ..Preset::Draft.settings() };
     let settings = BakeSettings { max_vertices: Some(600), pilot_clusters: 32, ..draft };
     let job = BakeJob::new(resolve(settings).unwrap(), folder.path().join("a.cuts"));
     bake(room_with_block(), &job, &Silent).unwrap()
@@ -79,7 +87,7 @@ fn against_rays(dataset: &Dataset) -> (usize, f64, f64) {
 }
 
 #[test]
-fn after_a_move_every_node_has_the_value_of_its_rays_and_the_way_back_leads_back_but_for_splits() {
+fn after_a_move_every_node_has_the_value_of_its_rays() {
     let before = baked(BakeParts::ENVIRONMENT, true);
     assert_eq!(against_rays(&before).0, 0);
     let scene = placed(&before, ASIDE);
@@ -89,23 +97,37 @@ fn after_a_move_every_node_has_the_value_of_its_rays_and_the_way_back_leads_back
     assert!(length >= fresh && length < 1.15 * fresh, "{length} {fresh}");
     assert!(there.report.rays_traced * 2 < before.report.rays_traced, "{}", there.report.rays_traced);
     assert!(!there.cuts.has_same_stored(&before.cuts) && there.scene.placed_poses().of(1).translate == ASIDE);
-    let home = placed(&there, Vec3::ZERO);
-    assert!(home.mesh.positions == before.scene.mesh.positions);
-    let back = update(&there, home, &Silent).unwrap();
-    let height = before.tree.height();
-    let same = |v: u32| back.cuts.cut(height, v) == before.cuts.cut(height, v);
-    let vertices = before.vertex_valid.len() as u32;
-    let other = (0..vertices).filter(|&v| !same(v)).count();
-    // A node above the granules that was not uniform stays split.
-    assert!(other * 25 < vertices as usize && against_rays(&back).0 == 0, "{other} of {vertices}");
-    let moved = (0..vertices).filter(|&v| there.cuts.cut(height, v) != before.cuts.cut(height, v)).count();
-    assert!(moved > 5 * other.max(20), "negative control: {moved}");
-    assert!(back.vertex_valid == before.vertex_valid && there.vertex_valid.len() == back.vertex_valid.len());
     for second in [false, true] {
         let half = Change::between(&before.scene, &scene).half(second);
         let forgotten = update_where(&before, scene.clone(), &half, &Silent).unwrap();
-        assert!(against_rays(&forgotten).0 > 0, "negative control: one of the boxes is forgotten");
+        let wrong = against_rays(&forgotten).0;
+        assert!(wrong > 0, "negative control: one of the boxes is forgotten, {wrong}");
+        println!("forgotten {second}: {wrong}");
     }
+}
+
+/// The number of vertices with other cuts after the way there and back, and after the way there.
+fn others_after_the_way_back(sigma: f32) -> [usize; 2] {
+    let before = baked_with(BakeParts::ENVIRONMENT, true, CutCriterion { sigma, ..CutCriterion::default() });
+    let there = update(&before, placed(&before, ASIDE), &Silent).unwrap();
+    let home = placed(&there, Vec3::ZERO);
+    assert!(home.mesh.positions == before.scene.mesh.positions);
+    let back = update(&there, home, &Silent).unwrap();
+    assert!(against_rays(&back).0 == 0 && back.vertex_valid == before.vertex_valid);
+    let height = before.tree.height();
+    let vertices = 0..before.vertex_valid.len() as u32;
+    let others =
+        |now: &Dataset| vertices.clone().filter(|&v| now.cuts.cut(height, v) != before.cuts.cut(height, v)).count();
+    [others(&back), others(&there)]
+}
+
+#[test]
+fn the_way_back_leads_back_where_no_node_hides_a_leaf() {
+    let [back, there] = others_after_the_way_back(0.0);
+    assert!(back == 0 && there > 300, "{back} {there}");
+    // A node above the granules that was not uniform stays split. Measured: 15 of 600.
+    let [back, there] = others_after_the_way_back(2.0);
+    assert!(back <= 20 && there > 300, "{back} {there}");
 }
 
 #[test]
@@ -143,7 +165,9 @@ fn a_wall_that_lets_light_through_is_baked_anew_without_the_rest() {
     let number = scene.materials.len() as u32 - 1;
     let of_block = mesh.triangle_material.iter_mut().zip(&mesh.triangle_object).filter(|(_, object)| **object == 1);
     of_block.for_each(|(material, _)| *material = number);
+    let sides = classify(&scene).two_sided;
     let after = update(&before, scene, &Silent).unwrap();
     assert_eq!(against_rays(&after).0, 0);
+    assert!(after.two_sided == sides && sides != before.two_sided, "glass is seen from within as well");
     assert!(!after.cuts.has_same_stored(&before.cuts) && 2 * after.report.rays_traced < before.report.rays_traced);
 }
