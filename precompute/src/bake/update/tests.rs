@@ -101,8 +101,8 @@ fn after_a_move_every_node_has_the_value_of_its_rays() {
         let half = Change::between(&before.scene, &scene).half(second);
         let forgotten = update_where(&before, scene.clone(), &half, &Silent).unwrap();
         let wrong = against_rays(&forgotten).0;
-        assert!(wrong > 0, "negative control: one of the boxes is forgotten, {wrong}");
-        println!("forgotten {second}: {wrong}");
+        // Measured: 14 and 26.
+        assert!(wrong > 10, "negative control: one of the boxes is forgotten, {wrong}");
     }
 }
 
@@ -124,10 +124,10 @@ fn others_after_the_way_back(sigma: f32) -> [usize; 2] {
 #[test]
 fn the_way_back_leads_back_where_no_node_hides_a_leaf() {
     let [back, there] = others_after_the_way_back(0.0);
-    assert!(back == 0 && there > 300, "{back} {there}");
+    assert!(back == 0 && there > 100, "{back} {there}");
     // A node above the granules that was not uniform stays split. Measured: 15 of 600.
     let [back, there] = others_after_the_way_back(2.0);
-    assert!(back <= 20 && there > 300, "{back} {there}");
+    assert!(back <= 20 && there > 100, "{back} {there}");
 }
 
 #[test]
