@@ -96,20 +96,19 @@ fn an_input_is_known_behind_a_link() {
 /// Options that require another option.
 const COMPANIONS: [(&str, &str, &str); 2] = [("compare", "out", "--map flip"), ("predict", "json", "--calibrate")];
 
-/// Options of a command that go together and replace its other paths.
-const ALTERNATIVE: (&str, &[&str]) = ("bench", &["against", "data"]);
+/// Commands with two kinds of line, and the arguments that each kind lacks.
+const ALTERNATIVES: [(&str, [&[&str]; 2]); 2] =
+    [("bench", [&["against", "data"], &["file", "json"]]), ("bake", [&["update", "pose"], &["scene"]])];
 
 /// A command line of each command with all its paths; other options keep their defaults. A command with an alternative has two.
 fn lines() -> Vec<(String, BTreeSet<PathBuf>, Vec<String>)> {
     let commands = Command::augment_subcommands(clap::Command::new("lapidary"));
-    let line = |command: &clap::Command, is_alternative: bool| {
+    let line = |command: &clap::Command, lacks: &[&str]| {
         let (mut line, mut paths) = (vec!["lapidary".to_owned(), command.get_name().to_owned()], BTreeSet::new());
         for argument in command.get_arguments() {
-            if argument.get_value_parser().type_id() != TypeId::of::<PathBuf>() {
-                continue;
-            }
-            let (name, options) = ALTERNATIVE;
-            if name == command.get_name() && options.contains(&argument.get_id().as_str()) != is_alternative {
+            if argument.get_value_parser().type_id() != TypeId::of::<PathBuf>()
+                || lacks.contains(&argument.get_id().as_str())
+            {
                 continue;
             }
             let path = match argument.get_id().as_str() {
@@ -125,11 +124,11 @@ fn lines() -> Vec<(String, BTreeSet<PathBuf>, Vec<String>)> {
         }
         (command.get_name().to_owned(), paths, line)
     };
-    let both = |command| {
-        let alternative = (ALTERNATIVE.0 == clap::Command::get_name(command)).then(|| line(command, true));
-        [Some(line(command, false)), alternative]
+    let kinds = |command: &clap::Command| {
+        let alternatives = ALTERNATIVES.iter().find(|(name, _)| *name == command.get_name());
+        alternatives.map_or(vec![[].as_slice()], |(_, lacks)| lacks.to_vec())
     };
-    commands.get_subcommands().flat_map(both).flatten().collect()
+    commands.get_subcommands().flat_map(|c| kinds(c).into_iter().map(move |lacks| line(c, lacks))).collect()
 }
 
 /// Every new option that names a file must be declared as read or written.

@@ -5,7 +5,7 @@ use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
 use lapidary_core::{
     cut::{CutCriterion, SourceCriterion},
-    dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings},
+    dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, ObjectBasesSettings},
 };
 use lapidary_interchange::{image, import::import};
 use lapidary_precompute::{Preset, ResolvedBake, SettingsError};
@@ -144,8 +144,10 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
         ..normal.indirect
     };
     let meshless = MeshlessSettings { levels: 2, sender_levels: 1, rays: 32, ..normal.meshless };
+    let object_bases = ObjectBasesSettings { functions: 2000, levels: 3, sender_level: 2 };
     let few = BakeSettings {
         mode: BakeParts::ALL,
+        object_bases,
         lights: 512,
         pilot_clusters: 3,
         max_vertices: Some(700),
@@ -159,16 +161,18 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
     assert_eq!(first_draft(&BakeSettings { max_vertices: None, ..few.clone() }, 0).max_vertices, None);
     assert_eq!(first_draft(&normal, 0).criterion.sigma, 0.375, "negative control");
     assert!(!draft_is_sooner(&few));
-    for (mode, [lights, sources, basis]) in [
-        (BakeParts::ENVIRONMENT, [true, false, false]),
-        (BakeParts::INDIRECT, [false, true, false]),
-        (BakeParts::MESHLESS, [false, false, true]),
-        (BakeParts::ALL, [true; 3]),
+    for (mode, [lights, sources, basis, bases]) in [
+        (BakeParts::ENVIRONMENT, [true, false, false, false]),
+        (BakeParts::INDIRECT, [false, true, false, false]),
+        (BakeParts::MESHLESS, [false, false, true, false]),
+        (BakeParts::RADIOSITY, [false, false, false, true]),
+        (BakeParts::ALL, [true; 4]),
     ] {
         let few = BakeSettings { mode, ..few.clone() };
         assert_eq!(draft_is_sooner(&BakeSettings { lights: 32_768, ..few.clone() }), lights, "{mode:?}");
         assert_eq!(draft_is_sooner(&BakeSettings { indirect: normal.indirect, ..few.clone() }), sources, "{mode:?}");
-        assert_eq!(draft_is_sooner(&BakeSettings { meshless: normal.meshless, ..few }), basis, "{mode:?}");
+        assert_eq!(draft_is_sooner(&BakeSettings { meshless: normal.meshless, ..few.clone() }), basis, "{mode:?}");
+        assert_eq!(draft_is_sooner(&BakeSettings { object_bases: normal.object_bases, ..few }), bases, "{mode:?}");
     }
 }
 
