@@ -98,7 +98,7 @@ const COMPANIONS: [(&str, &str, &str); 2] = [("compare", "out", "--map flip"), (
 
 /// Commands with two kinds of line, and the arguments that each kind lacks.
 const ALTERNATIVES: [(&str, [&[&str]; 2]); 2] =
-    [("bench", [&["against", "data"], &["file", "json"]]), ("bake", [&["update", "pose"], &["scene"]])];
+    [("bench", [&["against", "data"], &["file", "lights", "json"]]), ("bake", [&["update", "pose"], &["scene"]])];
 
 /// A command line of each command with all its paths; other options keep their defaults. A command with an alternative has two.
 fn lines() -> Vec<(String, BTreeSet<PathBuf>, Vec<String>)> {

@@ -166,7 +166,7 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
         (BakeParts::INDIRECT, [false, true, false, false]),
         (BakeParts::MESHLESS, [false, false, true, false]),
         (BakeParts::RADIOSITY, [false, false, false, true]),
-        (BakeParts::ALL, [true; 4]),
+        (BakeParts::ALL.with(BakeParts::RADIOSITY), [true; 4]),
     ] {
         let few = BakeSettings { mode, ..few.clone() };
         assert_eq!(draft_is_sooner(&BakeSettings { lights: 32_768, ..few.clone() }), lights, "{mode:?}");
