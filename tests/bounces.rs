@@ -200,19 +200,39 @@ fn light_solved_anew_is_that_of_paths_as_baked_and_after_a_move() {
     let folder = Folder::new();
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../data");
     folder.write("move.json", MOVE.into());
-    let bake = BAKE.replace("indirect", "radiosity --functions 20000 --object-levels 5");
+    let bake = BAKE.replace("indirect", "indirect,radiosity --functions 20000 --object-levels 5");
     folder.succeed(&format!("bake {data}/color-box/color-box.gltf -o box.cuts {bake}"));
-    let measured = |pose: &str| {
+    let measured = |solution: &str, pose: &str| {
         let options = "--env none --size 48x36 --spp 512 --aa 16 --no-samples --out truth --quiet";
-        folder.succeed(&format!("bounces box.cuts --solution radiosity {options} {pose}"));
+        folder.succeed(&format!("bounces box.cuts --solution {solution} {options} {pose}"));
         let row = folder.json("truth/bounces.json")["solutions"][0].clone();
-        let picture = |name: &str| squares(&folder, &format!("truth/radiosity{name}.exr"));
-        (row["error"].as_f64().unwrap(), row["energy"].as_f64().unwrap(), picture(""), picture("-paths"))
+        (row["error"].as_f64().unwrap(), row["energy"].as_f64().unwrap())
     };
-    let (error, energy, as_baked, _) = measured("");
+    let picture = |name: &str| squares(&folder, &format!("truth/radiosity{name}.exr"));
+    let (error, energy) = measured("radiosity", "");
     assert!(error < 0.11 && (energy - 1.0).abs() < 0.09, "{error} {energy}");
-    let (error, energy, moved, paths) = measured("--pose move.json");
+    let as_baked = picture("");
+    let (by_cuts, energy) = measured("cuts+radiosity", "");
+    assert!(by_cuts < 0.06 && by_cuts < error && (energy - 1.0).abs() < 0.05, "{by_cuts} {energy}");
+    let (error, energy) = measured("cuts+radiosity", "--pose move.json");
+    assert!(error < 0.11 && (energy - 1.0).abs() < 0.09, "by the vertices until cuts are baked anew: {error} {energy}");
+    let (error, energy) = measured("radiosity", "--pose move.json");
     assert!(error < 0.11 && (energy - 1.0).abs() < 0.09, "{error} {energy}");
+    let (moved, paths) = (picture(""), picture("-paths"));
     let ([right, forgotten], by) = ([&moved, &as_baked].map(|test| difference(test, &paths).0), 0.03);
     assert!(forgotten > right + by, "negative control, the pose is forgotten: {forgotten} {right}");
+
+    let resolve = |object: &str| {
+        let mut command = folder.command("bench box.cuts --env none --frames 2 --json resolve.json");
+        command.args(["--resolve", object]).output().expect("the program starts")
+    };
+    assert!(resolve("Short block").status.success());
+    let times = folder.json("resolve.json");
+    let of = |name: &str| times[name].as_f64().unwrap();
+    assert!(of("first_bounce_milliseconds") < of("after_a_move_milliseconds"), "{times}");
+    assert!(of("after_a_move_milliseconds") < of("whole_milliseconds"), "{times}");
+    let again = of("rays_traced_again") / of("rays");
+    assert!((0.02..0.6).contains(&again) && of("table_bytes") == 8.0 * of("rays"), "{times}");
+    let refused = String::from_utf8_lossy(&resolve("Lamp").stderr).into_owned();
+    assert!(refused.contains("there is no object \"Lamp\"") && refused.contains("Short block"), "{refused}");
 }

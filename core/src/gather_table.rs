@@ -79,12 +79,14 @@ fn lattice_direction(i: usize, n: usize) -> Vec3 {
 #[derive(Clone, Debug, Default)]
 pub struct GatherTable {
     rows: Vec<Option<Box<[GatherHit]>>>,
+    bytes: u64,
+    most_bytes: u64,
 }
 
 impl GatherTable {
     /// A table for a number of receivers, without rays.
-    pub fn new(receivers: usize) -> Self {
-        Self { rows: vec![None; receivers] }
+    pub fn new(receivers: usize, most_bytes: u64) -> Self {
+        Self { rows: vec![None; receivers], bytes: 0, most_bytes }
     }
 
     /// The rays of a receiver, if they were traced.
@@ -92,9 +94,13 @@ impl GatherTable {
         self.rows[receiver as usize].as_deref()
     }
 
-    /// Keeps the rays of a receiver.
+    /// Keeps the rays of a receiver that has none, if there is room.
     pub fn keep(&mut self, receiver: u32, hits: Box<[GatherHit]>) {
-        self.rows[receiver as usize] = Some(hits);
+        let bytes = self.bytes + size_of_val::<[GatherHit]>(&hits) as u64;
+        if bytes <= self.most_bytes {
+            self.bytes = bytes;
+            self.rows[receiver as usize] = Some(hits);
+        }
     }
 
     /// The rays of a receiver, to change some of them.
@@ -112,7 +118,7 @@ impl GatherTable {
 
     /// Bytes of the rays.
     pub fn bytes(&self) -> u64 {
-        self.rows.iter().flatten().map(|row| size_of_val::<[GatherHit]>(row) as u64).sum()
+        self.bytes
     }
 }
 

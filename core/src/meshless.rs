@@ -32,7 +32,7 @@ pub use function_tree::FunctionTree;
 pub use grid::{Cell, FunctionGrid};
 pub use object_bases::{Carrier, ObjectBases, Owner, RayEnd};
 pub use projection::Projection;
-pub use radiosity::{LitFunctions, Radiosity, RadiosityLight, RadiositySettings};
+pub use radiosity::{LitFunctions, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep};
 pub use sampling::SenderSamples;
 pub use solve::{Solution, SolveSettings, Solver};
 pub use transport::{PackedLink, Transport, TransportError, irradiance};

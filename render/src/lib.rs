@@ -54,7 +54,7 @@ pub use device::SeenLight;
 pub use error::BackendError;
 pub use lapidary_core::image::{Region, RegionError};
 pub use light::{
-    bounce::{MeshlessLight, SourceLighting, SourceRig},
+    bounce::{MeshlessLight, RadiosityRays, RadiosityRig, SourceLighting, SourceRig},
     buried::is_buried,
     components::Components,
     environment::{Distant, Illumination, LightRig, SceneLighting},
@@ -64,11 +64,11 @@ pub use light::{
         seen::{CoreSight, LeafSight},
     },
     local::{LocalLighting, LocalRig},
-    situation::{Changes, Gathering, Situation},
+    situation::{Changes, Gathering, Relight, Situation},
     solver::{BounceLight, solutions::Solution},
     tree_light::TreeLight,
 };
-pub use lit_scene::{FinishedPicture, LitScene};
+pub use lit_scene::{FinishedPicture, LitScene, ladder::Refined};
 pub use look::{Look, Redo};
 pub use measure::{
     compare,

@@ -1,6 +1,6 @@
 //! A scene on a renderer that shows one look after another and redoes only what an edit changes ([`Redo`]).
 
-mod ladder;
+pub(crate) mod ladder;
 mod lighting;
 mod pose_rigs;
 mod posing;

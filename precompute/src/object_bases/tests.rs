@@ -9,7 +9,7 @@ use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
     mesh_surface::CarryingMesh,
-    meshless::{FunctionTree, LitFunctions, Radiosity, RadiosityLight, RadiositySettings, irradiance},
+    meshless::{FunctionTree, LitFunctions, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep, irradiance},
     ray::Intersector,
     scene::Scene,
     surfel::Surface,
@@ -95,7 +95,7 @@ impl Values {
 fn solved(solver: &mut Radiosity, stage: &Stage, lit: &LitFunctions) -> RadiosityLight {
     let surface = stage.surface();
     let mut light = solver.begin(&surface, lit);
-    while solver.bounce(&surface, lit, &mut light) {}
+    while solver.advance(&surface, lit, &mut light, usize::MAX) != RadiosityStep::Last {}
     light
 }
 
@@ -233,6 +233,31 @@ fn after_a_move_a_partial_solve_is_a_whole_one_and_the_way_back_leads_back() {
     assert!(back == before);
     let (forgotten, ..) = after(&moved, &[], &[stage.bounds(1)]);
     assert!(forgotten != there, "negative control: the new box is forgotten");
+}
+
+#[test]
+fn light_in_parts_or_without_room_for_its_rays_is_the_same() {
+    let (stage, bases, mut values) = room_with_block(6000);
+    values.emitted[7] = Vec3::ONE;
+    let of = |table_bytes: u64, receivers: usize| {
+        let settings = RadiositySettings { table_bytes, ..settings(2) };
+        let (surface, mut solver) = (stage.surface(), Radiosity::new(bases.clone(), settings));
+        let mut light = solver.begin(&surface, &values.lit());
+        let mut parts = 0;
+        while solver.advance(&surface, &values.lit(), &mut light, receivers) != RadiosityStep::Last {
+            parts += 1;
+        }
+        assert!(solver.table().bytes() <= table_bytes);
+        (light.total, parts)
+    };
+    let (whole, bounces) = of(u64::MAX, usize::MAX);
+    let (in_parts, parts) = of(u64::MAX, 100);
+    let (half_kept, _) = of(4096 * 1000, 100);
+    assert!(bounces < 3 && parts > 10, "{bounces} {parts}");
+    assert!(in_parts == whole && half_kept == whole);
+    values.emitted[7] = Vec3::ZERO;
+    let mut dark = Radiosity::new(bases.clone(), settings(2));
+    assert!(solved(&mut dark, &stage, &values.lit()).total != whole, "negative control");
 }
 
 #[test]

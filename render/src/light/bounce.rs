@@ -25,7 +25,7 @@ use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
 pub(crate) use lit_points::LitPoints;
 pub use meshless::{MeshlessRig, functions::MeshlessLight};
-pub use radiosity::RadiosityRig;
+pub use radiosity::{RadiosityRays, RadiosityRig};
 
 /// Samples of an area light along each of its sides, at each part of a source.
 const AREA_SAMPLES: u32 = 2;

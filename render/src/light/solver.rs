@@ -8,6 +8,7 @@
 
 mod cuts;
 mod cuts_over_meshless;
+mod cuts_over_radiosity;
 #[cfg(test)]
 mod even;
 mod meshless;
@@ -33,6 +34,18 @@ pub enum BounceLight {
     Sources(Arc<SourceLighting>),
     /// Functions of the meshless basis.
     Functions(Arc<MeshlessLight>),
+}
+
+impl BounceLight {
+    /// Whether two lights share their values.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Vertices(a), Self::Vertices(b)) => Arc::ptr_eq(a, b),
+            (Self::Sources(a), Self::Sources(b)) => Arc::ptr_eq(a, b),
+            (Self::Functions(a), Self::Functions(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
 }
 
 /// Computes bounced light on request, so a solver that is not shown costs nothing.

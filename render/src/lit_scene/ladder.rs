@@ -4,6 +4,17 @@
 use super::LitScene;
 use crate::{Backend, BackendError, Look, Redo, light::implicit::detail::ImplicitDetail};
 
+/// What a step of the ladder did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refined {
+    /// Nothing: no step is left, or its rig is not prepared.
+    Nothing,
+    /// A part of a step, of which nothing shows yet.
+    Unseen,
+    /// The light is another, so pixels are stale.
+    Light,
+}
+
 impl<B: Backend + ?Sized> LitScene<B> {
     /// Sets the detail of posed objects from the next look on; the default is the finest.
     pub fn set_detail(&mut self, detail: ImplicitDetail) {
@@ -39,21 +50,25 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.is_unsolved || self.detail().is_some_and(|detail| detail != ImplicitDetail::FINEST)
     }
 
-    /// Takes the next step of the ladder for the lit look, if its rig is prepared. Returns whether it did; pixels are stale then.
+    /// Whether steps of bounced light remain, which can be taken at once.
+    pub fn is_unsolved(&self) -> bool {
+        self.is_unsolved
+    }
+
+    /// Takes the next step of the ladder for the lit look, if its rig is prepared.
     ///
     /// # Errors
     /// As [`Self::light`].
-    pub fn refine(&mut self, look: &Look) -> Result<bool, BackendError> {
+    pub fn refine(&mut self, look: &Look) -> Result<Refined, BackendError> {
         if self.is_unsolved {
-            self.advance()?;
-            return Ok(true);
+            return Ok(if self.advance()? { Refined::Light } else { Refined::Unseen });
         }
-        let is_prepared = self.is_coarse() && self.prepare(ImplicitDetail::FINEST);
-        if is_prepared {
-            self.detail = ImplicitDetail::FINEST;
-            self.light_first(look)?;
+        if !self.is_coarse() || !self.prepare(ImplicitDetail::FINEST) {
+            return Ok(Refined::Nothing);
         }
-        Ok(is_prepared)
+        self.detail = ImplicitDetail::FINEST;
+        self.light_first(look)?;
+        Ok(Refined::Light)
     }
 
     /// Chooses the detail for the next steps of a drag, from the milliseconds that the last step's light took and may take. The

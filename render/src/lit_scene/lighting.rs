@@ -119,12 +119,21 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(local)
     }
 
-    /// Gives the renderer the next step of bounced light.
-    pub(super) fn advance(&mut self) -> Result<(), BackendError> {
-        let Some(mut lit) = self.lit.take() else { return Ok(()) };
-        let (solution, posed) = (lit.look.shown_solution(), lit.local.posed.take());
+    /// Takes the next step of bounced light, and gives the renderer what it changed. Returns whether it changed anything.
+    pub(super) fn advance(&mut self) -> Result<bool, BackendError> {
+        let Some(mut lit) = self.lit.take() else { return Ok(false) };
+        let solution = lit.look.shown_solution();
         self.is_unsolved = self.local_rig.advance(&self.situation, solution);
         let local = self.local_rig.lighting(&self.situation, lit.look.components, solution);
+        let stays = match (&lit.local.bounce, &local.bounce) {
+            (Some(before), Some(now)) => before.is_same(now),
+            (before, now) => before.is_none() && now.is_none(),
+        };
+        if stays {
+            self.lit = Some(lit);
+            return Ok(false);
+        }
+        let posed = lit.local.posed.take();
         lit.local = local.with_posed(posed, solution);
         let remarks = self.backend.set_local_lighting(&lit.local)?;
         self.remarks.replace(2, remarks);
@@ -132,6 +141,6 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.stale.bounce = Pixels::All;
         self.drift.reset();
         self.lit = Some(lit);
-        Ok(())
+        Ok(true)
     }
 }

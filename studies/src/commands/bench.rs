@@ -7,6 +7,7 @@ mod edits;
 mod implicit;
 mod json;
 mod passes;
+mod resolve;
 
 use crate::{
     args::{LocalLightArgs, ViewArgs},
@@ -44,7 +45,7 @@ pub struct BenchArgs {
         value_delimiter = ',',
         value_parser = clap::value_parser!(u32).range(64..=65_536),
         conflicts_with_all = PICTURE,
-        conflicts_with_all = ["drag", "edits", "illum_cuts"]
+        conflicts_with_all = ["drag", "edits", "resolve", "illum_cuts"]
     )]
     surfels: Vec<u32>,
     #[command(flatten)]
@@ -135,6 +136,7 @@ mod tests {
         assert!(surfels.is_ok_and(|bench| bench.surfels == [1024, 4096]));
         assert!(bench("a.cuts --drag o --env none --size 8x6 --roughness 1").is_ok());
         assert!(bench("a.cuts --edits m --env none --size 8x6 --frames 3").is_ok());
+        assert!(bench("a.cuts --resolve o --frames 2 --json").is_ok());
         let refused = [
             "",
             "--json",
@@ -160,6 +162,9 @@ mod tests {
             "a.cuts --surfels 1024 --material gold.json",
             "a.cuts --drag o --illum-cuts 256",
             "a.cuts --drag o --edits m",
+            "a.cuts --drag o --resolve o",
+            "a.cuts --surfels 1024 --resolve o",
+            "--against old --resolve o",
             "a.cuts --edits m --illum-cuts 256",
             "--fail-above 2",
             "a.cuts --fail-above 2",

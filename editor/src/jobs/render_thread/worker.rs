@@ -201,7 +201,8 @@ impl Worker {
 
     fn patience(&self) -> Option<Duration> {
         if self.stage == PictureStage::Rest && self.may_be_finer() {
-            return Some(FINER_WAIT);
+            let goes_on = !self.must_wait() && self.scene.as_ref().is_some_and(LitScene::is_unsolved);
+            return Some(if goes_on { Duration::ZERO } else { FINER_WAIT });
         }
         if self.stage == PictureStage::Rest && !self.reads.is_empty() {
             return Some(Duration::ZERO);

@@ -14,9 +14,11 @@ use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
     dataset::Dataset,
+    gather_table::GatherHit,
     mesh_surface::{CarryingMesh, MeshSurface},
-    meshless::{LitFunctions, ObjectBases, Radiosity, RadiosityLight, RadiositySettings, irradiance},
+    meshless::{LitFunctions, ObjectBases, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep, irradiance},
     scene::{Mesh, pose::Poses},
+    sources::Source,
     sparse::SparseRows,
     surfel::Surfel,
     transport::BounceEnergy,
@@ -26,6 +28,9 @@ use std::collections::BTreeSet;
 
 /// Samples of an area light along each of its sides, at each function.
 const AREA_SAMPLES: u32 = 2;
+
+/// Receivers whose rays are traced in one step, so that a drag need not wait.
+const RECEIVERS_OF_A_STEP: usize = 1024;
 
 /// Solves for bounced light bounce by bounce, as baked or posed.
 pub struct RadiosityRig {
@@ -39,6 +44,21 @@ pub struct RadiosityRig {
     /// Values of the functions at the front and the back of each vertex.
     at_vertices: [SparseRows; 2],
     light: Option<RadiosityLight>,
+    /// Number of the present solution.
+    begun: u64,
+    /// Values of the functions at the surface sources, if the dataset has any; computed at the first use.
+    at_sources: Option<SparseRows>,
+    /// Rays that the last move changed.
+    traced_again: u64,
+}
+
+/// Rays of a [`RadiosityRig`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RadiosityRays {
+    /// Rays that are kept, 8 bytes each.
+    pub kept: u64,
+    /// Rays that the last move changed, so that they were traced again.
+    pub traced_again: u64,
 }
 
 impl RadiosityRig {
@@ -49,16 +69,36 @@ impl RadiosityRig {
         let at_vertices = values_at_vertices(&bases, &baked.dataset);
         let solver = Radiosity::new(bases, RadiositySettings::DEFAULT);
         let (as_baked, posed, sky) = (baked.clone(), baked.clone(), SkyGrid::new(None));
-        Some(Self { as_baked, posed, poses: Poses::default(), solver, lit, sky, at_vertices, light: None })
+        let poses = Poses::default();
+        Some(Self {
+            as_baked,
+            posed,
+            poses,
+            solver,
+            lit,
+            sky,
+            at_vertices,
+            light: None,
+            begun: 0,
+            at_sources: None,
+            traced_again: 0,
+        })
     }
 
-    /// Begins with direct light again; rays stay.
-    pub fn restart(&mut self) {
+    /// The number of the present solution.
+    pub fn begun(&self) -> u64 {
+        self.begun
+    }
+
+    /// Begins with direct light again; rays stay. Returns the number of the new solution.
+    pub fn restart(&mut self) -> u64 {
         self.light = None;
+        self.begun += 1;
+        self.begun
     }
 
-    /// Takes the next step: direct light, then one bounce after another. Returns whether more steps remain.
-    pub fn step(&mut self) -> bool {
+    /// Goes on with the next bounce, for some tenths of a second at most.
+    pub fn step(&mut self) -> RadiosityStep {
         let Self { as_baked, posed, solver, lit, sky: sky_grid, light, .. } = self;
         let sky = |direction| sky_grid.radiance(direction);
         let lit = LitFunctions {
@@ -68,31 +108,51 @@ impl RadiosityRig {
             sky: sky_grid.shines().then_some(&sky),
         };
         on_surface(as_baked, posed, |surface| match light {
-            Some(light) => solver.bounce(surface, &lit, light),
+            Some(light) => solver.advance(surface, &lit, light, RECEIVERS_OF_A_STEP),
             none => {
                 *none = Some(solver.begin(surface, &lit));
-                true
+                RadiosityStep::Partial
             }
         })
     }
 
     /// Irradiance of all bounces so far at the vertices in W/m².
     pub fn at_vertices(&self) -> Sides {
-        let mesh = &self.posed.dataset.scene.mesh;
-        let side = |rows: &SparseRows, side: f32| -> Vec<Vec3> {
-            let Some(light) = &self.light else { return vec![Vec3::ZERO; mesh.positions.len()] };
-            let of_vertex = |(vertex, &normal): (usize, &Vec3)| {
-                irradiance(&rows.product(vertex, &light.total), normal * side).max(Vec3::ZERO)
-            };
-            mesh.normals.par_iter().enumerate().map(of_vertex).collect()
-        };
+        let normals = &self.posed.dataset.scene.mesh.normals;
         let [front, back] = &self.at_vertices;
-        Sides { front: side(front, 1.0), back: side(back, -1.0) }
+        Sides { front: self.received(front, |i| normals[i]), back: self.received(back, |i| -normals[i]) }
+    }
+
+    /// Irradiance of all bounces so far at the surface sources in W/m²; of a scene as baked.
+    pub fn at_sources(&mut self, sources: &[Source]) -> Vec<Vec3> {
+        let mesh = &self.as_baked.dataset.scene.mesh;
+        let bases = self.solver.bases();
+        let values = |source: usize, out: &mut Vec<(u32, f32)>| {
+            let at = &sources[source].surfel;
+            bases.finest_values(mesh.triangle_object[at.place.triangle as usize], at, out);
+        };
+        let rows = self.at_sources.take().unwrap_or_else(|| SparseRows::build(sources.len(), values));
+        let received = self.received(&rows, |source| mesh.shading_normal(&sources[source].surfel));
+        self.at_sources = Some(rows);
+        received
+    }
+
+    /// Irradiance of points with these values of the functions.
+    fn received(&self, rows: &SparseRows, normal: impl Fn(usize) -> Vec3 + Sync) -> Vec<Vec3> {
+        let Some(light) = &self.light else { return vec![Vec3::ZERO; rows.len()] };
+        let of = |point: usize| irradiance(&rows.product(point, &light.total), normal(point)).max(Vec3::ZERO);
+        (0..rows.len()).into_par_iter().map(of).collect()
     }
 
     /// Energy of the bounces so far.
     pub fn energy(&self) -> Option<BounceEnergy> {
         self.light.as_ref().map(RadiosityLight::energy)
+    }
+
+    /// The rays so far.
+    pub fn rays(&self) -> RadiosityRays {
+        let kept = self.solver.table().bytes() / size_of::<GatherHit>() as u64;
+        RadiosityRays { kept, traced_again: self.traced_again }
     }
 
     /// Poses the functions, and traces the rays again that the move changes.
@@ -104,9 +164,9 @@ impl RadiosityRig {
         let left = boxes(&self.posed.dataset.scene.mesh, &changed);
         let now = boxes(&scene.dataset.scene.mesh, &changed);
         (self.posed, self.poses, self.light) = (scene.clone(), poses.clone(), None);
-        let Self { as_baked, posed, solver, lit, .. } = self;
+        let Self { as_baked, posed, solver, lit, traced_again, .. } = self;
         let points = on_surface(as_baked, posed, |surface| {
-            solver.follow(surface, &|object| changed.contains(&object), &now, &left);
+            *traced_again = solver.follow(surface, &|object| changed.contains(&object), &now, &left);
             solver.placed_points(surface)
         });
         lit.pose(posed, points);

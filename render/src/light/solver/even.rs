@@ -57,7 +57,7 @@ impl BounceSolver for Even {
 mod tests {
     use super::*;
     use crate::{
-        Appearance, Backend, Baked, Components, CpuBackend, LitScene, Look, Solution, View,
+        Appearance, Backend, Baked, Components, CpuBackend, LitScene, Look, Refined, Solution, View,
         appearance::ResolvedAppearance,
         test_looks::look,
         test_scenes::{from_above, linked_floor_and_wall, point_light},
@@ -101,13 +101,13 @@ mod tests {
         scene.light_soon(&look).unwrap();
         let mut pictures = vec![shown(&mut scene)];
         while scene.is_coarse() {
-            assert!(scene.refine(&look).unwrap());
+            assert_eq!(scene.refine(&look).unwrap(), Refined::Light);
             pictures.push(shown(&mut scene));
         }
         let shares: Vec<f32> = pictures.iter().map(|p| p.pixels[27].x / pictures[2].pixels[27].x * 0.875).collect();
         assert!(shares.iter().zip([0.5, 0.75, 0.875]).all(|(a, b)| (a - b).abs() < 1e-5), "{shares:?}");
         assert!(pictures[2] == begin().show_whole(&look).unwrap().image);
-        assert!(!scene.refine(&look).unwrap(), "nothing is left to do");
+        assert_eq!(scene.refine(&look).unwrap(), Refined::Nothing, "nothing is left to do");
     }
 
     #[test]

@@ -6,7 +6,12 @@ use crate::light::{
     situation::{Changes, Situation},
 };
 use glam::Vec3;
-use lapidary_core::{dataset::BakeParts, meshless::RadiositySettings, scene::pose::Poses, transport::BounceEnergy};
+use lapidary_core::{
+    dataset::BakeParts,
+    meshless::{RadiositySettings, RadiosityStep},
+    scene::pose::Poses,
+    transport::BounceEnergy,
+};
 use std::sync::Arc;
 
 /// Solves bounced light for the objects where they are.
@@ -20,6 +25,8 @@ pub struct RadiositySolver {
     /// Of the present light.
     poses: Poses,
     energy: Option<BounceEnergy>,
+    /// The solution of the rig that it advances.
+    begun: Option<u64>,
     is_whole: bool,
 }
 
@@ -43,19 +50,24 @@ impl BounceSolver for RadiositySolver {
                 self.before = std::mem::take(&mut self.steps);
             }
             self.steps.clear();
+            self.begun = None;
             return true;
         }
         let Some(rig) = rigs.radiosity(situation).filter(|_| !self.is_whole) else { return false };
-        // A pose may have come back before the rig heard of another.
-        if self.steps.is_empty() {
-            rig.restart();
+        // A pose may have come back before the rig heard of another, or another solver began.
+        if self.begun != Some(rig.begun()) {
+            self.begun = Some(rig.restart());
+            self.steps.clear();
         }
-        let goes_on = rig.step();
+        let step = rig.step();
+        if step == RadiosityStep::Partial {
+            return true;
+        }
         self.energy = rig.energy();
         self.steps.push(rig.at_vertices().into());
-        self.is_whole = !goes_on;
+        self.is_whole = step == RadiosityStep::Last;
         self.shown = self.with_rest_of_before();
-        goes_on
+        !self.is_whole
     }
 
     fn light(&self) -> Option<BounceLight> {
@@ -68,6 +80,11 @@ impl BounceSolver for RadiositySolver {
 }
 
 impl RadiositySolver {
+    /// The light that is shown.
+    pub(super) fn shown(&self) -> Option<&Arc<Sides>> {
+        self.shown.as_ref()
+    }
+
     /// The present light with the bounces of the light before that it lacks: a picture would else darken after each move.
     fn with_rest_of_before(&self) -> Option<Arc<Sides>> {
         let now = self.steps.last()?;

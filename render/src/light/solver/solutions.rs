@@ -1,8 +1,8 @@
 //! The list of all solutions. Add one as a file beside this one and a line here.
 
 use super::{
-    BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, meshless::MeshlessSolver,
-    radiosity::RadiositySolver,
+    BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, cuts_over_radiosity::CutsOverRadiosity,
+    meshless::MeshlessSolver, radiosity::RadiositySolver,
 };
 use lapidary_core::dataset::BakeParts;
 use serde::{Deserialize, Serialize};
@@ -87,6 +87,7 @@ solutions! {
     Meshless(MeshlessSolver) = "meshless",
     CutsMeshless(CutsOverMeshless) = "cuts+meshless",
     Radiosity(RadiositySolver) = "radiosity",
+    CutsRadiosity(CutsOverRadiosity) = "cuts+radiosity",
     #[cfg(test)]
     Even(Even) = "even",
 }

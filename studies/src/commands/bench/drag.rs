@@ -49,14 +49,11 @@ struct Detailed {
 /// A missing object, or no adapter if one is required.
 pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOption, json: &JsonArgs) -> Result<()> {
     let scene = &viewed.baked.dataset.scene;
-    let index = scene.objects.iter().position(|known| known.name == object).ok_or_else(|| {
-        let names: Vec<_> = scene.objects.iter().map(|known| known.name.as_str()).collect();
-        anyhow!("there is no object \"{object}\"; there are {}", names.join(", "))
-    })?;
+    let index = object_named(scene, object)?;
     let mut on = LitScene::new(backend.open()?, viewed.baked.clone())?;
     let look = viewed.look()?;
     picture(&mut on, &look)?;
-    let looks = dragged(scene, index as u32, &look, steps);
+    let looks = dragged(scene, index, &look, steps);
     let details = ImplicitDetail::LADDER.into_iter().map(|detail| Detailed::measure(&mut on, detail, &looks));
     let drag = Drag {
         details: details.collect::<Result<_, _>>()?,
@@ -69,8 +66,20 @@ pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOptio
     json.tell(&drag, || text(&drag))
 }
 
+/// The index of an object.
+///
+/// # Errors
+/// No such object; names those that exist.
+pub(super) fn object_named(scene: &Scene, object: &str) -> Result<u32> {
+    let index = scene.objects.iter().position(|known| known.name == object).ok_or_else(|| {
+        let names: Vec<_> = scene.objects.iter().map(|known| known.name.as_str()).collect();
+        anyhow!("there is no object \"{object}\"; there are {}", names.join(", "))
+    })?;
+    Ok(index as u32)
+}
+
 /// Looks of the step that picks an object up, and of `steps` more.
-fn dragged(scene: &Scene, object: u32, look: &Look, steps: u32) -> Vec<Look> {
+pub(super) fn dragged(scene: &Scene, object: u32, look: &Look, steps: u32) -> Vec<Look> {
     let vertices = Objects::of(scene);
     let places = vertices.vertices(object).iter().map(|&vertex| scene.mesh.positions[vertex as usize].x);
     let (least, most) = places.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));

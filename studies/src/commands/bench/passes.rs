@@ -1,6 +1,6 @@
 //! `lapidary bench FILE.cuts`: times of each pass of a frame.
 
-use super::{JsonArgs, drag, edits, median};
+use super::{JsonArgs, drag, edits, median, resolve};
 use crate::{
     args::{BackendOption, ViewedScene},
     ladder::Cuts,
@@ -33,6 +33,10 @@ pub struct PassesArgs {
     /// Edit this material, orbit and rotate the environment, in this many frames each, and measure picture times
     #[arg(long, value_name = "MATERIAL", conflicts_with_all = ["illum_cuts", "drag"])]
     edits: Option<String>,
+    /// Move this object by half its width, there and back, and measure how soon the bounced light is solved anew; for a dataset baked
+    /// with radiosity
+    #[arg(long, value_name = "OBJECT", conflicts_with_all = ["illum_cuts", "drag", "edits", "backend"])]
+    resolve: Option<String>,
     /// Rendering device
     #[arg(long, value_enum, default_value_t)]
     pub(super) backend: BackendOption,
@@ -81,6 +85,9 @@ pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: &JsonArgs) -> Result<(
     }
     if let Some(material) = &args.edits {
         return edits::run(viewed, material, args.frames, args.backend, json);
+    }
+    if let Some(object) = &args.resolve {
+        return resolve::run(viewed, object, args.frames, json);
     }
     let measurement = Measurement::new(args, viewed)?;
     let gpu = args.backend.gpu()?;

@@ -1,7 +1,7 @@
 //! Refines the light once nothing moves.
 
 use super::{PictureStage, RenderRequest, Worker};
-use lapidary_render::{BackendError, LitScene};
+use lapidary_render::{BackendError, LitScene, Refined};
 use std::{sync::atomic::Ordering::SeqCst, time::Instant};
 
 impl Worker {
@@ -16,7 +16,7 @@ impl Worker {
         self.shared.held.load(SeqCst) || self.shared.is_preview.load(SeqCst)
     }
 
-    /// Refines the light once the full picture is due. Returns whether a picture has begun with it.
+    /// Refines the light once the full picture is due. Returns whether it did, also where nothing shows yet.
     pub(super) fn refine(&mut self, request: &RenderRequest) -> Result<bool, BackendError> {
         let is_due = match self.stage {
             PictureStage::Rest | PictureStage::Full { .. } => self.begun.is_some(),
@@ -27,10 +27,10 @@ impl Worker {
             return Ok(false);
         }
         let Some(scene) = &mut self.scene else { return Ok(false) };
-        let is_finer = scene.refine(&request.look)?;
-        if is_finer {
+        let refined = scene.refine(&request.look)?;
+        if refined == Refined::Light {
             self.begin(request, request.look.view.size)?;
         }
-        Ok(is_finer)
+        Ok(refined != Refined::Nothing)
     }
 }
