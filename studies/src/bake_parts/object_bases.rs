@@ -2,7 +2,10 @@
 
 use super::StudiedPart;
 use clap::{Args, builder::RangedU64ValueParser};
-use lapidary_core::dataset::{BakeReport, BakeSettings, ObjectBasesReport, ObjectBasesSettings};
+use lapidary_core::{
+    dataset::{BakeReport, BakeSettings, ObjectBasesReport, ObjectBasesSettings},
+    meshless::RadiositySettings,
+};
 
 /// The part of the bases of objects.
 pub struct ObjectBases;
@@ -63,12 +66,13 @@ impl StudiedPart for ObjectBases {
 }
 
 fn info_text(r: &ObjectBasesReport, settings: ObjectBasesSettings) -> String {
+    let functions = r.functions.iter().sum::<usize>();
     format!(
-        "radiosity  {} functions of {} objects on {} levels, level {} sends; {:.1} MB\n",
-        r.functions.iter().sum::<usize>(),
+        "radiosity  {functions} functions of {} objects on {} levels, level {} sends; {:.1} MB, and up to {:.0} MB of rays while it solves\n",
         r.objects,
         r.functions.len(),
         settings.sender_level + 1,
-        r.bytes_points as f64 / 1e6
+        r.bytes_points as f64 / 1e6,
+        RadiositySettings::DEFAULT.bytes_of_rays(functions as u64) as f64 / 1e6
     )
 }

@@ -10,7 +10,10 @@ use crate::{
     },
 };
 use egui::Ui;
-use lapidary_core::dataset::{BakeParts, BakeReport, BakeSettings, ObjectBasesSettings};
+use lapidary_core::{
+    dataset::{BakeParts, BakeReport, BakeSettings, ObjectBasesSettings},
+    meshless::RadiositySettings,
+};
 use lapidary_precompute::Phase;
 
 /// Core seconds and bytes of a function.
@@ -33,8 +36,10 @@ impl PartOfPanel for ObjectBases {
 
     fn described(&self, settings: &BakeSettings) -> Vec<Row> {
         let ObjectBasesSettings { functions, levels, sender_level } = settings.object_bases;
+        let rays = RadiositySettings::DEFAULT.bytes_of_rays(u64::from(functions));
         let rows = [
             ("Functions", grouped(u64::from(functions))),
+            ("Rays kept while solving", format!("up to {}", bytes(rays))),
             ("Levels of functions", levels.to_string()),
             ("Sending level", (sender_level + 1).to_string()),
         ];
