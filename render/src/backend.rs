@@ -64,6 +64,8 @@ pub enum Tier {
     Cuts,
     /// The bake, with implicit visibility for the changes by posed objects.
     Implicit,
+    /// Implicit visibility for the environment's light of posed objects; all bounces are those of the posed scene.
+    Solved,
 }
 
 /// How a picture was made.

@@ -309,7 +309,12 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Method by which its light is computed.
     pub fn tier(&self) -> Tier {
-        if self.situation.poses.is_empty() { Tier::Cuts } else { Tier::Implicit }
+        let solves = |look: &Look| look.components.indirect && look.shown_solution().follows_poses();
+        match self.lit.as_ref().is_some_and(|lit| solves(&lit.look)) && !self.is_unsolved {
+            _ if self.situation.poses.is_empty() => Tier::Cuts,
+            true => Tier::Solved,
+            false => Tier::Implicit,
+        }
     }
 
     /// The renderer.

@@ -24,7 +24,7 @@ use crate::{
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{dataset::BakeParts, lights::Light, material::Material};
-use lapidary_render::{Baked, Illumination, ViewMode};
+use lapidary_render::{Baked, Illumination, Tier, ViewMode};
 
 /// Least height of the comparison's strip in points: two rows, the first of which may be broken.
 const STRIP: f32 = 104.0;
@@ -213,7 +213,11 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
 /// The note over the picture: a preview, a running bake, or opacity that differs from the bake.
 fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str> {
     if !state.pose.poses_since(&state.work, baked).is_empty() {
-        return Some("Preview: implicit visibility. Shadows of moved objects are coarse; bake again for exact ones");
+        let is_solved = state.picture.shown().is_some_and(|shown| shown.tier == Tier::Solved);
+        return Some(match is_solved {
+            true => "Bounced light is solved for the moved objects. Their shadows of the environment are a preview",
+            false => "Preview: implicit visibility. Shadows of moved objects are coarse; bake again for exact ones",
+        });
     }
     let opacity = || {
         let is_other = state.work.document.lets_through_otherwise(&baked.dataset.scene);

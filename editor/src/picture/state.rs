@@ -151,6 +151,8 @@ mod tests {
     fn a_picture_goes_over_into_one_of_other_means_or_a_finer_one() {
         let posed = |detail| (Tier::Implicit, Some(detail));
         let ([coarsest, .., finest], cuts) = (ImplicitDetail::LADDER.map(posed), (Tier::Cuts, None));
+        let solved = (Tier::Solved, Some(coarsest.1.expect("it is posed")));
+        assert!(fades(coarsest, solved) && fades(solved, cuts));
         assert!(fades(cuts, coarsest) && fades(finest, cuts) && fades(coarsest, finest));
         assert!(!fades(finest, coarsest), "something begins to move");
         assert!(!fades(cuts, cuts) && !fades(finest, finest), "more samples of the same");

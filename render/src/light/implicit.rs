@@ -3,7 +3,7 @@
 //!
 //! Unmoved surfaces show their baked light times `E(posed) / E(as baked)` of the environment, plus the difference of the bounces.
 //! Both come from the same bins, so the picture equals the baked one bit for bit where nothing changed. Moved surfaces have
-//! visibility cuts made from their bins, and their own bounced light.
+//! visibility cuts made from their bins, and their own bounced light. What they covered as baked has such cuts, too.
 
 mod covered;
 mod cuts;
@@ -25,11 +25,11 @@ use covered::{Covered, Open};
 use detail::ImplicitDetail;
 use glam::Vec3;
 use lapidary_core::{
-    implicit::{Lighting, disc_forest::DiscForest, forest::SurfelForest},
+    implicit::{Lighting, forest::SurfelForest},
     scene::{Mesh, pose::Poses},
 };
 use seen::{LeafSight, sight};
-use std::{collections::BTreeSet, ops::Range, sync::Arc};
+use std::{collections::BTreeSet, sync::Arc};
 use vertices::VertexLeaves;
 
 /// Samples of an area light along each of its sides, at each leaf.
@@ -66,10 +66,10 @@ impl Sides {
 pub struct PosedLight {
     /// Whether each vertex is away from its baked position.
     pub is_moved: Arc<[bool]>,
-    /// Relative growth of the environment's light at the vertices, `E(posed) / E(as baked) - 1`, -1 to 1. It is 0 at moved
-    /// vertices, which have new cuts, and exactly 0 between vertices whose light is unchanged.
+    /// Relative growth of the environment's light at the vertices, `E(posed) / E(as baked) - 1`, -1 to 1. It is 0 at vertices with
+    /// new cuts, and exactly 0 between vertices whose light is unchanged.
     pub growth: Sides,
-    /// Additional irradiance of the environment in W/m², at uncovered vertices, which were dark and have no ratio.
+    /// Additional irradiance of the environment in W/m², at vertices that were too dark for their ratio.
     pub uncovered: Sides,
     /// Bounced irradiance in W/m²: its difference from the bake, or all of it for moved vertices.
     pub bounce: Sides,
@@ -86,6 +86,8 @@ pub struct PoseRig {
     poses: Poses,
     covered: Covered,
     is_moved: Arc<[bool]>,
+    /// Vertices with new cuts: moved ones, and the footprints of moved objects.
+    has_new_cut: Vec<bool>,
     sky: SkyGrid,
 }
 
@@ -141,6 +143,7 @@ impl PoseRig {
             lit_as_baked: None,
             poses: Poses::default(),
             is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
+            has_new_cut: vec![false; dataset.scene.mesh.positions.len()],
             sky: SkyGrid::new(None),
             vertices,
             covered,
@@ -157,14 +160,18 @@ impl PoseRig {
             seen.points.pose(scene, seen.forest.surfels().collect());
             seen.open = self.covered.open(&self.vertices, &self.covered.left(poses, mesh));
             (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
+            let footprint = self.covered.footprint(&self.vertices, &seen.open);
+            self.has_new_cut = self.is_moved.iter().zip(footprint).map(|(&moved, within)| moved || within).collect();
         }
     }
 
-    /// The scene in the rig's pose, with new visibility cuts for moved vertices.
+    /// The scene in the rig's pose, with the new visibility cuts.
     pub fn with_cuts(&mut self, scene: &Baked) -> Baked {
         let forest = self.posed.forest.discs();
-        let views = self.posed.sight.views(forest, leaves_of(forest, &self.poses));
-        let cuts = cuts::of_moved(&scene.dataset, (forest, &views), &self.vertices, &self.is_moved);
+        let renewed: Vec<u32> =
+            (0..self.has_new_cut.len() as u32).filter(|&vertex| self.has_new_cut[vertex as usize]).collect();
+        let views = self.posed.sight.views(forest, self.vertices.span(&renewed));
+        let cuts = cuts::of_bins(&scene.dataset, (forest, &views), &self.vertices, renewed);
         scene.clone().with_cuts(cuts)
     }
 
@@ -173,9 +180,9 @@ impl PoseRig {
         self.detail
     }
 
-    /// Whether each vertex is away from its baked position.
-    pub fn moved_vertices(&self) -> &[bool] {
-        &self.is_moved
+    /// Whether each vertex has a new cut: it moved, or an object that moved covered it.
+    pub fn has_new_cut(&self) -> &[bool] {
+        &self.has_new_cut
     }
 
     /// Light of the posed scene. It has `bounces` bounces, or fewer if the detail follows fewer.
@@ -185,12 +192,12 @@ impl PoseRig {
         let known = self.lit_as_baked.take().filter(|(known, _)| *known == bounces);
         let as_baked = || (bounces, self.as_baked.lit(sky, bounces, &self.vertices));
         let (_, [baked_sky, baked_bounce]) = self.lit_as_baked.insert(known.unwrap_or_else(as_baked));
-        let is_moved = &self.is_moved;
+        let (is_moved, has_new_cut) = (&self.is_moved, &self.has_new_cut);
         let growth = |vertex: usize, now: Vec3, before: Vec3| {
-            if is_moved[vertex] { Vec3::ZERO } else { ratio(now, before) - 1.0 }
+            if has_new_cut[vertex] { Vec3::ZERO } else { ratio(now, before) - 1.0 }
         };
         let more = |vertex: usize, now: Vec3, before: Vec3| if is_moved[vertex] { now } else { now - before };
-        let rest = |vertex: usize, now: Vec3, before: Vec3| match is_moved[vertex] {
+        let rest = |vertex: usize, now: Vec3, before: Vec3| match has_new_cut[vertex] {
             true => Vec3::ZERO,
             false => (now - before * ratio(now, before)).max(Vec3::ZERO),
         };
@@ -231,12 +238,6 @@ impl Relight for PoseRig {
             self.lit_as_baked = None;
         }
     }
-}
-
-/// The leaves from the first to the last of all moved objects.
-fn leaves_of(forest: &DiscForest, poses: &Poses) -> Range<u32> {
-    let moved = poses.moved().map(|object| forest.leaves_of(object)).filter(|leaves| !leaves.is_empty());
-    moved.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
 }
 
 /// `now / before` per channel, within bounds; 1 where there was no light.

@@ -95,7 +95,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn give_environment(&mut self, look: &Look) -> Result<(), BackendError> {
         let Some(lighting) = self.situation.environment.clone() else { return Ok(()) };
         let lighting = match self.pose_rigs.used().filter(|_| !self.situation.poses.is_empty()) {
-            Some(rig) => lighting.with_replaced_cuts(rig.lit(&self.situation).moved_vertices()).into(),
+            Some(rig) => lighting.with_replaced_cuts(rig.lit(&self.situation).has_new_cut()).into(),
             None => lighting,
         };
         let remarks = self.backend.set_light(&look.illumination, &lighting)?;

@@ -104,7 +104,7 @@ mod tests {
         assert!(rigs.detail().is_none(), "no rig is used before it is requested");
         let poses = posed(Pose { translate: glam::Vec3::X, ..Pose::AS_BAKED });
         let situation = Situation { scene: baked.posed(&poses).unwrap(), poses, ..Situation::unlit(&baked) };
-        let moved = |rig: &mut Pending<PoseRig>| rig.lit(&situation).moved_vertices().to_vec();
+        let moved = |rig: &mut Pending<PoseRig>| rig.lit(&situation).has_new_cut().to_vec();
         let ahead = moved(rigs.at(detail, &baked, CORES));
         let made = &mut Pending::new(PoseRig::new(&baked, CORES, detail));
         assert!(rigs.in_the_making.is_none(), "the thread's rig is used");

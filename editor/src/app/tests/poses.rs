@@ -8,10 +8,14 @@ use crate::{
     document::Edit,
 };
 use glam::Vec3;
-use lapidary_core::{animation::ClipTime, dataset::Dataset, scene::pose::Pose};
+use lapidary_core::{
+    animation::ClipTime,
+    dataset::{BakeParts, BakeSettings, Dataset, ObjectBasesSettings},
+    scene::pose::Pose,
+};
 use lapidary_interchange::{image, import::import};
 use lapidary_precompute::{BakeJob, Silent, bake, resolve};
-use lapidary_render::Tier;
+use lapidary_render::{Solution, Tier};
 use std::{cell::Cell, path::Path};
 
 const PYRAMID: u32 = 1;
@@ -159,6 +163,31 @@ fn after_a_move_cuts_are_baked_anew_by_themselves_and_after_its_undo_again() {
     window.perform(Action::Undo);
     window.wait("the way back", |s| placed(s) == Pose::AS_BAKED && s.baking.run.is_none() && is_by_cuts(s));
     assert!(cuts(window.0.state()).has_same_stored(&as_baked), "the bake of before");
+}
+
+#[test]
+fn bounces_solved_anew_have_words_of_their_own_and_a_pose_taken_back_begins_as_before() {
+    let place = Place::new();
+    let functions = ObjectBasesSettings { functions: 400, levels: 3, sender_level: 1 };
+    let mode = BakeParts::ENVIRONMENT.with(BakeParts::RADIOSITY);
+    let settings = BakeSettings { mode, object_bases: functions, ..few_lights() };
+    let job = BakeJob::new(resolve(settings).unwrap(), place.path("scene.cuts"));
+    bake(import(&place.path("scene.obj")).unwrap().scene, &job, &Silent).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("scene.cuts"));
+    window.0.state_mut().work.document.solution = Solution::Radiosity;
+    wait_for_picture(&mut window);
+    let as_baked = pixels(window.0.state());
+    let (preview, solved) = ("Preview: implicit visibility", "Bounced light is solved for the moved objects");
+    let tier = |s: &EditorState| s.picture.shown().map(|shown| shown.tier);
+    pose(&mut window, Pose { translate: Vec3::X * 0.4, ..Pose::AS_BAKED });
+    assert!(!window.shows(solved), "the picture is still that of before");
+    window.wait("the solved light", |s| tier(s) == Some(Tier::Solved));
+    window.0.run_steps(1);
+    assert!(window.shows(solved) && !window.shows(preview));
+    window.perform(Action::Undo);
+    window.wait("the picture as baked", |s| tier(s) == Some(Tier::Cuts) && pixels(s) == as_baked);
+    assert!(!window.shows(solved));
 }
 
 #[test]

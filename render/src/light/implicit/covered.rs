@@ -12,6 +12,7 @@ use lapidary_core::{
     },
     surfel::{MeshPlace, Surfel},
 };
+use rayon::prelude::*;
 
 /// Least open share of the leaves beside a vertex that can give it light.
 const LEAST_OPEN: f32 = 0.05;
@@ -69,6 +70,15 @@ impl Covered {
             Left { as_baked: around(&self.vertex_positions), now: around(&posed.positions) }
         };
         poses.moved().filter(|&object| (object as usize) < self.objects.len()).map(of_object).collect()
+    }
+
+    /// Vertices whose leaves were partly covered by an object that left them open: what these leaves saw as baked tells nothing, so the
+    /// vertices have no ratio.
+    pub fn footprint(&self, beside: &VertexLeaves, now: &Open) -> Vec<bool> {
+        let was_covered = |leaf: u32| self.leaves[leaf as usize] < now.leaves[leaf as usize];
+        let of =
+            |vertex: u32| now.vertices[vertex as usize] > 0.0 && beside.of(vertex).any(|(leaf, _)| was_covered(leaf));
+        (0..self.vertices.len() as u32).into_par_iter().map(of).collect()
     }
 
     /// Open leaves and vertices after the objects in `left` have moved away.

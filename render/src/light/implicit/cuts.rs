@@ -1,4 +1,4 @@
-//! Visibility cuts of moved vertices, from the bins of the leaves beside them.
+//! Visibility cuts of vertices that moved or that a moved object covered, from the bins of the leaves beside them.
 
 use super::vertices::VertexLeaves;
 use glam::Vec3;
@@ -22,19 +22,18 @@ struct Sight {
     above: Vec<f32>,
 }
 
-/// The cuts of a dataset, with new ones for the vertices of `is_moved`.
-pub fn of_moved(
+/// The cuts of a dataset, with new ones for the vertices in `renewed`.
+pub fn of_bins(
     dataset: &Dataset,
     (forest, views): (&DiscForest, &Views),
     vertices: &VertexLeaves,
-    is_moved: &[bool],
+    renewed: Vec<u32>,
 ) -> PackedCuts {
     let tree = &dataset.tree;
     let nodes = (DIRECTIONS_OF_A_BIN * views.layout().cells.len()).next_power_of_two().min(tree.len());
     let directions: Vec<Vec3> =
         (nodes..2 * nodes).map(|node| tree.mean_directions()[node].normalize_or_zero()).collect();
-    let moved: Vec<u32> = (0..is_moved.len() as u32).filter(|&vertex| is_moved[vertex as usize]).collect();
-    let mut leaves: Vec<u32> = moved.iter().flat_map(|&vertex| vertices.of(vertex)).map(|(leaf, _)| leaf).collect();
+    let mut leaves: Vec<u32> = renewed.iter().flat_map(|&vertex| vertices.of(vertex)).map(|(leaf, _)| leaf).collect();
     leaves.sort_unstable();
     leaves.dedup();
     let sight = |&leaf: &u32| (leaf, sight(forest, views, leaf, &directions));
@@ -52,8 +51,8 @@ pub fn of_moved(
         selector.select(&shares, &mut cut);
         cut
     };
-    let cuts: Vec<Vec<u16>> = moved.par_iter().map_init(buffers, select).collect();
-    dataset.cuts.with(moved.into_iter().zip(cuts))
+    let cuts: Vec<Vec<u16>> = renewed.par_iter().map_init(buffers, select).collect();
+    dataset.cuts.with(renewed.into_iter().zip(cuts))
 }
 
 fn sight(forest: &DiscForest, views: &Views, leaf: u32, directions: &[Vec3]) -> Sight {

@@ -5,6 +5,7 @@ use lapidary_core::{
     implicit::{Receiver, VertexWeights, disc_forest::DiscForest},
     transport::Coefficient,
 };
+use std::ops::Range;
 
 /// Weights of leaves at vertices.
 pub struct VertexLeaves {
@@ -37,6 +38,12 @@ impl VertexLeaves {
     /// The leaves beside a vertex on all lit sides, with their weights.
     pub fn of(&self, vertex: u32) -> impl Iterator<Item = (u32, f32)> + Clone {
         [&self.front, &self.back].into_iter().flat_map(move |side| side.row(vertex as usize)).copied()
+    }
+
+    /// The leaves from the first to the last beside some vertices.
+    pub fn span(&self, vertices: &[u32]) -> Range<u32> {
+        let all = || vertices.iter().flat_map(|&vertex| self.of(vertex)).map(|(leaf, _)| leaf);
+        all().min().zip(all().max()).map_or(0..0, |(first, last)| first..last + 1)
     }
 
     /// Values at the vertices from values at the leaves, on both sides.
