@@ -75,8 +75,8 @@ fn lattice_direction(i: usize, n: usize) -> Vec3 {
     crate::sphere::lattice_direction(i, n, 0.0, 0.5)
 }
 
-/// The rays of some receivers. Receivers that were never asked for have none.
-#[derive(Clone, Debug, Default)]
+/// The rays of some receivers. Receivers that were never asked for have none, and those for which there was no room.
+#[derive(Clone, Debug)]
 pub struct GatherTable {
     rows: Vec<Option<Box<[GatherHit]>>>,
     bytes: u64,
@@ -84,12 +84,12 @@ pub struct GatherTable {
 }
 
 impl GatherTable {
-    /// A table for a number of receivers, without rays.
+    /// A table for a number of receivers, without rays; it keeps at most `most_bytes` of them.
     pub fn new(receivers: usize, most_bytes: u64) -> Self {
         Self { rows: vec![None; receivers], bytes: 0, most_bytes }
     }
 
-    /// The rays of a receiver, if they were traced.
+    /// The rays of a receiver, if they are kept.
     pub fn row(&self, receiver: u32) -> Option<&[GatherHit]> {
         self.rows[receiver as usize].as_deref()
     }
@@ -106,12 +106,12 @@ impl GatherTable {
     /// The rays of a receiver, to change some of them.
     ///
     /// # Panics
-    /// If they were never traced.
+    /// If they are not kept.
     pub fn row_mut(&mut self, receiver: u32) -> &mut [GatherHit] {
-        self.rows[receiver as usize].as_mut().expect("its rays were traced")
+        self.rows[receiver as usize].as_mut().expect("its rays are kept")
     }
 
-    /// The receivers whose rays were traced.
+    /// The receivers whose rays are kept.
     pub fn receivers(&self) -> impl Iterator<Item = u32> + '_ {
         (0..self.rows.len() as u32).filter(|&receiver| self.rows[receiver as usize].is_some())
     }

@@ -171,7 +171,9 @@ impl PoseRig {
         let renewed: Vec<u32> =
             (0..self.has_new_cut.len() as u32).filter(|&vertex| self.has_new_cut[vertex as usize]).collect();
         let views = self.posed.sight.views(forest, self.vertices.span(&renewed));
-        let cuts = cuts::of_bins(&scene.dataset, (forest, &views), &self.vertices, renewed);
+        let open =
+            |vertex: u32, leaf: u32| if self.is_moved[vertex as usize] { 1.0 } else { self.posed.open.leaf(leaf) };
+        let cuts = cuts::of_bins(&scene.dataset, (forest, &views), &self.vertices, renewed, open);
         scene.clone().with_cuts(cuts)
     }
 

@@ -13,7 +13,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let redo = self.redo(look);
         self.arrange(look, redo.light)?;
         let (before, changes) = (self.lit.take().map(|lit| lit.local), redo.light);
-        (self.relight, self.is_unsolved) = (false, false);
+        self.relight = false;
+        let was_unsolved = std::mem::take(&mut self.is_unsolved);
         self.finished &= !redo.renders();
         if changes.poses {
             self.give_pose()?;
@@ -26,7 +27,10 @@ impl<B: Backend + ?Sized> LitScene<B> {
             self.give_environment(look)?;
         }
         let local = match &before {
-            Some(local) if !changes.any() && !redo.shown => local.clone(),
+            Some(local) if !changes.any() && !redo.shown => {
+                self.is_unsolved = was_unsolved;
+                local.clone()
+            }
             _ => self.light_locally(look, redo)?,
         };
         self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
@@ -121,6 +125,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Takes the next step of bounced light, and gives the renderer what it changed. Returns whether it changed anything.
     pub(super) fn advance(&mut self) -> Result<bool, BackendError> {
+        self.is_unsolved = false;
         let Some(mut lit) = self.lit.take() else { return Ok(false) };
         let solution = lit.look.shown_solution();
         self.is_unsolved = self.local_rig.advance(&self.situation, solution);

@@ -100,6 +100,11 @@ pub struct Open {
 }
 
 impl Open {
+    /// Open share of a leaf, 0 to 1.
+    pub fn leaf(&self, leaf: u32) -> f32 {
+        self.leaves[leaf as usize]
+    }
+
     /// Values at the vertices from the open leaves' values. Covered vertices are dark.
     pub fn at_vertices(&self, beside: &VertexLeaves, leaves: &[Vec3]) -> Sides {
         let values: Vec<Vec3> = leaves.iter().zip(&self.leaves).map(|(&leaf, &open)| leaf * open).collect();

@@ -22,12 +22,14 @@ struct Sight {
     above: Vec<f32>,
 }
 
-/// The cuts of a dataset, with new ones for the vertices in `renewed`.
+/// The cuts of a dataset, with new ones for the vertices in `renewed`. `open` tells how much of a leaf counts
+/// for a vertex.
 pub fn of_bins(
     dataset: &Dataset,
     (forest, views): (&DiscForest, &Views),
     vertices: &VertexLeaves,
     renewed: Vec<u32>,
+    open: impl Fn(u32, u32) -> f32 + Sync,
 ) -> PackedCuts {
     let tree = &dataset.tree;
     let nodes = (DIRECTIONS_OF_A_BIN * views.layout().cells.len()).next_power_of_two().min(tree.len());
@@ -43,7 +45,7 @@ pub fn of_bins(
     let select = |(selector, sums): &mut (CutSelector, [Vec<f32>; 2]), &vertex: &u32| {
         sums.iter_mut().for_each(|sum| sum.fill(0.0));
         for (leaf, weight) in vertices.of(vertex) {
-            sights[&leaf].add_to(sums, weight);
+            sights[&leaf].add_to(sums, weight * open(vertex, leaf));
         }
         let [sky, above] = &*sums;
         let shares: Vec<u8> = sky.iter().zip(above).map(|(sky, above)| share_of_sky(*sky, *above)).collect();

@@ -108,6 +108,14 @@ mod tests {
         assert!(shares.iter().zip([0.5, 0.75, 0.875]).all(|(a, b)| (a - b).abs() < 1e-5), "{shares:?}");
         assert!(pictures[2] == begin().show_whole(&look).unwrap().image);
         assert_eq!(scene.refine(&look).unwrap(), Refined::Nothing, "nothing is left to do");
+
+        let mut scene = begin();
+        scene.light_soon(&look).unwrap();
+        let mut aside = look.clone();
+        aside.view.camera.eye.x += 0.3;
+        scene.light_soon(&aside).unwrap();
+        assert!(scene.is_unsolved(), "another view does not end the solution");
+        assert!(scene.show_whole(&aside).unwrap().image == begin().show_whole(&aside).unwrap().image);
     }
 
     #[test]

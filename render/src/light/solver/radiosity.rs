@@ -80,9 +80,14 @@ impl BounceSolver for RadiositySolver {
 }
 
 impl RadiositySolver {
-    /// The light that is shown.
-    pub(super) fn shown(&self) -> Option<&Arc<Sides>> {
-        self.shown.as_ref()
+    /// Whether the present light has all bounces.
+    pub(super) fn is_whole(&self) -> bool {
+        self.is_whole
+    }
+
+    /// Whether this or an earlier light had all bounces.
+    pub(super) fn was_ever_whole(&self) -> bool {
+        self.is_whole || !self.before.is_empty()
     }
 
     /// The present light with the bounces of the light before that it lacks: a picture would else darken after each move.

@@ -5,10 +5,10 @@ use lapidary_render::{BackendError, LitScene, Refined};
 use std::{sync::atomic::Ordering::SeqCst, time::Instant};
 
 impl Worker {
-    /// Whether the light can be made finer, and nothing moves.
+    /// Whether the light of the picture can be made finer, and nothing moves.
     pub(super) fn may_be_finer(&self) -> bool {
         let is_moving = self.wanted.as_ref().is_none_or(|request| request.moving);
-        !is_moving && self.scene.as_ref().is_some_and(LitScene::is_coarse)
+        !is_moving && self.begun.is_some() && self.scene.as_ref().is_some_and(LitScene::is_coarse)
     }
 
     /// Whether other work needs the cores, or a better picture is coming.
@@ -16,10 +16,11 @@ impl Worker {
         self.shared.held.load(SeqCst) || self.shared.is_preview.load(SeqCst)
     }
 
-    /// Refines the light once the full picture is due. Returns whether it did, also where nothing shows yet.
+    /// Refines the light once the full picture is due. Returns whether a picture has begun with it: a full one does not wait for parts
+    /// of a step, which take turns with its bands.
     pub(super) fn refine(&mut self, request: &RenderRequest) -> Result<bool, BackendError> {
         let is_due = match self.stage {
-            PictureStage::Rest | PictureStage::Full { .. } => self.begun.is_some(),
+            PictureStage::Rest | PictureStage::Full { .. } => true,
             PictureStage::Settle { .. } => self.stage.settled(Instant::now()),
             PictureStage::Begin | PictureStage::Sketch => false,
         };
@@ -27,10 +28,14 @@ impl Worker {
             return Ok(false);
         }
         let Some(scene) = &mut self.scene else { return Ok(false) };
-        let refined = scene.refine(&request.look)?;
-        if refined == Refined::Light {
+        let begins = match scene.refine(&request.look)? {
+            Refined::Light => true,
+            Refined::Unseen => matches!(self.stage, PictureStage::Settle { .. }),
+            Refined::Nothing => false,
+        };
+        if begins {
             self.begin(request, request.look.view.size)?;
         }
-        Ok(refined != Refined::Nothing)
+        Ok(begins)
     }
 }
