@@ -17,6 +17,7 @@ use crate::{
     surfel::Surfel,
     transport::BounceEnergy,
 };
+use follow::Moves;
 use glam::{Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
@@ -79,6 +80,7 @@ pub struct Radiosity {
     /// For each sender: itself and the next finer functions of the same owner around it, as a mean.
     around: SparseRows,
     table: GatherTable,
+    moves: Moves,
 }
 
 /// A solution and the light that it has not sent yet.
@@ -115,6 +117,7 @@ impl Radiosity {
             fan: RayFan::new(settings.rays),
             around: around_senders(&bases),
             table: GatherTable::new(bases.len(), settings.table_bytes),
+            moves: Moves::none(bases.len()),
             covered: Vec::new(),
             settings,
             bases,

@@ -14,6 +14,7 @@ use lapidary_core::{
     scene::Scene,
     surfel::Surface,
 };
+use std::collections::BTreeMap;
 
 const BLACK: &(dyn Fn(&Surfel) -> Vec3 + Sync) = &|_| Vec3::ZERO;
 
@@ -220,19 +221,31 @@ fn after_a_move_a_partial_solve_is_a_whole_one_and_the_way_back_leads_back() {
         solved(&mut solver, stage, &values.lit()).total
     };
     let mut solver = Radiosity::new(bases.clone(), settings(3));
-    let mut after = |stage: &Stage, boxes: &[Bounds], left: &[Bounds]| {
-        let rays = solver.follow(&stage.surface(), &|object| object == 1, boxes, left);
-        (solved(&mut solver, stage, &values.lit()).total, rays, 8 * solver.table().bytes() / 64)
+    let mut after = |stage: &Stage, now: Bounds, left: &[Bounds]| {
+        solver.follow(&stage.surface(), &BTreeMap::from([(1, now)]), left);
+        (solved(&mut solver, stage, &values.lit()).total, solver.traced_again(), 8 * solver.table().bytes() / 64)
     };
-    let (before, ..) = after(&stage, &[], &[]);
+    let nowhere = Bounds::around([Vec3::splat(99.0)]);
+    let (before, ..) = after(&stage, nowhere, &[]);
     assert!(before == whole(&stage));
-    let (there, rays, kept) = after(&moved, &[moved.bounds(1)], &[stage.bounds(1)]);
+    let (there, rays, kept) = after(&moved, moved.bounds(1), &[stage.bounds(1)]);
     assert!(there == whole(&moved) && there != before);
     assert!(rays > 0 && 2 * rays < kept, "{rays} of {kept}");
-    let (back, ..) = after(&stage, &[stage.bounds(1)], &[moved.bounds(1)]);
+    let (back, ..) = after(&stage, stage.bounds(1), &[moved.bounds(1)]);
     assert!(back == before);
-    let (forgotten, ..) = after(&moved, &[], &[stage.bounds(1)]);
+    let (forgotten, ..) = after(&moved, nowhere, &[stage.bounds(1)]);
     assert!(forgotten != there, "negative control: the new box is forgotten");
+
+    // Two moves before a solution: the first reached other rays than the second.
+    let mut solver = Radiosity::new(bases.clone(), settings(3));
+    let far = stage.moved(1, Vec3::new(0.4, 0.9, 0.3));
+    let block = |stage: &Stage| BTreeMap::from([(1, stage.bounds(1))]);
+    solved(&mut solver, &stage, &values.lit());
+    solver.follow(&far.surface(), &block(&far), &[stage.bounds(1)]);
+    let mut light = solver.begin(&far.surface(), &values.lit());
+    assert_eq!(solver.advance(&far.surface(), &values.lit(), &mut light, 50), RadiosityStep::Partial);
+    solver.follow(&moved.surface(), &block(&moved), &[far.bounds(1)]);
+    assert!(solved(&mut solver, &moved, &values.lit()).total == there, "a solution may be left for the next move");
 }
 
 #[test]

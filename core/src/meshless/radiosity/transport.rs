@@ -1,6 +1,6 @@
 //! One bounce on its way to the functions, in parts that a caller may stop between.
 
-use super::Radiosity;
+use super::{Radiosity, follow::Renewed};
 use crate::{
     gather_table::{GatherHit, RayFan},
     meshless::object_bases::Carrier,
@@ -36,8 +36,8 @@ pub(super) struct Transport {
     pub(super) gathers: u64,
 }
 
-/// A receiver's rays as they were traced, and the light of them.
-type Traced = (Mat3A, Option<Box<[GatherHit]>>);
+/// What a receiver gathers, and the rays by which it does.
+type Traced = (Mat3A, Renewed);
 
 /// A receiver's rays and what gathers by them.
 struct Gather<'a> {
@@ -117,10 +117,8 @@ impl Radiosity {
         let mut left = receivers.max(1);
         while transport.level < self.bases.levels() {
             let waiting = &transport.active[transport.found.len()..];
-            let is_within = |function: &&u32| {
-                let is_traced = self.table.row(**function).is_some();
-                is_traced || left.checked_sub(1).map(|rest| left = rest).is_some()
-            };
+            let is_within =
+                |function: &&u32| self.is_known(**function) || left.checked_sub(1).map(|rest| left = rest).is_some();
             let now: Vec<u32> = waiting.iter().take_while(is_within).copied().collect();
             let is_all = now.len() == waiting.len();
             let found = self.gathered(surface, sky, &transport.sent, now);
@@ -143,14 +141,14 @@ impl Radiosity {
     ) -> Vec<Mat3A> {
         let first_sender = self.bases.level(self.bases.sender_level()).start as u32;
         let of = |&function: &u32| -> Traced {
-            let traced = self.table.row(function).is_none().then(|| self.row(surface, function));
-            let hits = traced.as_deref().or(self.table.row(function)).expect("it was traced now or before");
+            let rays = self.renewed(surface, function);
+            let hits = rays.row().or(self.table.row(function)).expect("it was traced now or before");
             let frame = self.placed(surface, function).frame;
-            (Gather { fan: &self.fan, frame, hits, first_sender }.of(sent, sky), traced)
+            (Gather { fan: &self.fan, frame, hits, first_sender }.of(sent, sky), rays)
         };
         let all: Vec<Traced> = functions.par_iter().map(of).collect();
-        let keep = |(function, (found, traced)): (u32, Traced)| {
-            traced.into_iter().for_each(|row| self.table.keep(function, row));
+        let keep = |(function, (found, rays)): (u32, Traced)| {
+            self.know(function, rays);
             found
         };
         functions.into_iter().zip(all).map(keep).collect()

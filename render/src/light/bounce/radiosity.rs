@@ -24,7 +24,7 @@ use lapidary_core::{
     transport::BounceEnergy,
 };
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Samples of an area light along each of its sides, at each function.
 const AREA_SAMPLES: u32 = 2;
@@ -48,8 +48,6 @@ pub struct RadiosityRig {
     begun: u64,
     /// Values of the functions at the surface sources, if the dataset has any; computed at the first use.
     at_sources: Option<SparseRows>,
-    /// Rays that the last move changed.
-    traced_again: u64,
 }
 
 /// Rays of a [`RadiosityRig`].
@@ -57,7 +55,7 @@ pub struct RadiosityRig {
 pub struct RadiosityRays {
     /// Rays that are kept, 8 bytes each.
     pub kept: u64,
-    /// Rays that the last move changed, so that they were traced again.
+    /// Rays that were traced again since the last move, because it changes them.
     pub traced_again: u64,
 }
 
@@ -70,19 +68,7 @@ impl RadiosityRig {
         let solver = Radiosity::new(bases, RadiositySettings::DEFAULT);
         let (as_baked, posed, sky) = (baked.clone(), baked.clone(), SkyGrid::new(None));
         let poses = Poses::default();
-        Some(Self {
-            as_baked,
-            posed,
-            poses,
-            solver,
-            lit,
-            sky,
-            at_vertices,
-            light: None,
-            begun: 0,
-            at_sources: None,
-            traced_again: 0,
-        })
+        Some(Self { as_baked, posed, poses, solver, lit, sky, at_vertices, light: None, begun: 0, at_sources: None })
     }
 
     /// The number of the present solution.
@@ -152,21 +138,21 @@ impl RadiosityRig {
     /// The rays so far.
     pub fn rays(&self) -> RadiosityRays {
         let kept = self.solver.table().bytes() / size_of::<GatherHit>() as u64;
-        RadiosityRays { kept, traced_again: self.traced_again }
+        RadiosityRays { kept, traced_again: self.solver.traced_again() }
     }
 
-    /// Poses the functions, and traces the rays again that the move changes.
+    /// Poses the functions. Rays that the move changes are traced again by the next steps.
     fn pose(&mut self, scene: &Baked, poses: &Poses) {
         let changed: BTreeSet<u32> = self.poses.differing(poses).collect();
         if changed.is_empty() {
             return;
         }
-        let left = boxes(&self.posed.dataset.scene.mesh, &changed);
+        let left: Vec<Bounds> = boxes(&self.posed.dataset.scene.mesh, &changed).into_values().collect();
         let now = boxes(&scene.dataset.scene.mesh, &changed);
         (self.posed, self.poses, self.light) = (scene.clone(), poses.clone(), None);
-        let Self { as_baked, posed, solver, lit, traced_again, .. } = self;
+        let Self { as_baked, posed, solver, lit, .. } = self;
         let points = on_surface(as_baked, posed, |surface| {
-            *traced_again = solver.follow(surface, &|object| changed.contains(&object), &now, &left);
+            solver.follow(surface, &now, &left);
             solver.placed_points(surface)
         });
         lit.pose(posed, points);
@@ -197,10 +183,12 @@ fn on_surface<T>(as_baked: &Baked, posed: &Baked, act: impl FnOnce(&CarryingMesh
     act(&CarryingMesh::new(&as_baked.dataset.scene.mesh, now))
 }
 
-/// Boxes around some objects of a mesh.
-fn boxes(mesh: &Mesh, objects: &BTreeSet<u32>) -> Vec<Bounds> {
+/// Boxes around some objects of a mesh, those that have triangles.
+fn boxes(mesh: &Mesh, objects: &BTreeSet<u32>) -> BTreeMap<u32, Bounds> {
     let object = |triangle: usize| mesh.triangle_object[triangle];
-    mesh.bounds_by((0..mesh.triangles.len()).filter(|&triangle| objects.contains(&object(triangle))), object)
+    let triangles: Vec<usize> = (0..mesh.triangles.len()).filter(|&t| objects.contains(&object(t))).collect();
+    let present: BTreeSet<u32> = triangles.iter().map(|&triangle| object(triangle)).collect();
+    present.into_iter().zip(mesh.bounds_by(triangles, object)).collect()
 }
 
 /// Values of the functions at both sides of the vertices as baked; none at the back of a one-sided surface.
