@@ -158,9 +158,10 @@ impl PoseRig {
             seen.forest.update(&mesh.positions, &|object| changed.contains(&object));
             seen.sight.look(&seen.forest, &mesh.positions, &changed);
             seen.points.pose(scene, seen.forest.surfels().collect());
-            seen.open = self.covered.open(&self.vertices, &self.covered.left(poses, mesh));
+            let left = self.covered.left(poses, mesh);
+            seen.open = self.covered.open(&self.vertices, &left);
             (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
-            let footprint = self.covered.footprint(&self.vertices, &seen.open);
+            let footprint = self.covered.footprint(&self.vertices, seen.forest.discs().discs(), &left);
             self.has_new_cut = self.is_moved.iter().zip(footprint).map(|(&moved, within)| moved || within).collect();
         }
     }

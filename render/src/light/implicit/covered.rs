@@ -5,7 +5,7 @@ use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
     dataset::Dataset,
-    implicit::forest::SurfelForest,
+    implicit::forest::{SurfelForest, nodes::Disc},
     scene::{
         Mesh,
         pose::{Objects, Poses},
@@ -72,13 +72,15 @@ impl Covered {
         poses.moved().filter(|&object| (object as usize) < self.objects.len()).map(of_object).collect()
     }
 
-    /// Vertices whose leaves were partly covered by an object that left them open: what these leaves saw as baked tells nothing, so the
-    /// vertices have no ratio.
-    pub fn footprint(&self, beside: &VertexLeaves, now: &Open) -> Vec<bool> {
-        let was_covered = |leaf: u32| self.leaves[leaf as usize] < now.leaves[leaf as usize];
-        let of =
-            |vertex: u32| now.vertices[vertex as usize] > 0.0 && beside.of(vertex).any(|(leaf, _)| was_covered(leaf));
-        (0..self.vertices.len() as u32).into_par_iter().map(of).collect()
+    /// Vertices that lay under an object, or so near it that their leaves did, and that it left: bins as baked see through an object
+    /// from within, so these vertices have no ratio.
+    pub fn footprint(&self, beside: &VertexLeaves, discs: &[Disc], left: &[Left]) -> Vec<bool> {
+        let of = |(vertex, &position): (usize, &Vec3)| {
+            let reach = || beside.of(vertex as u32).map(|(leaf, _)| discs[leaf as usize].radius()).fold(0.0, f32::max);
+            left.iter()
+                .any(|object| !object.now.contains(position) && object.as_baked.grown(reach()).contains(position))
+        };
+        self.vertex_positions.par_iter().enumerate().map(of).collect()
     }
 
     /// Open leaves and vertices after the objects in `left` have moved away.
