@@ -130,7 +130,7 @@ impl PoseRig {
             sight.look(&forest, positions, &BTreeSet::new());
             Seen {
                 points: LitPoints::new(baked, forest.surfels().collect(), AREA_SAMPLES),
-                open: covered.open(&vertices, &[]),
+                open: covered.as_baked(&vertices),
                 forest: forest.clone(),
                 sight,
             }
@@ -158,10 +158,11 @@ impl PoseRig {
             seen.forest.update(&mesh.positions, &|object| changed.contains(&object));
             seen.sight.look(&seen.forest, &mesh.positions, &changed);
             seen.points.pose(scene, seen.forest.surfels().collect());
-            let left = self.covered.left(poses, mesh);
-            seen.open = self.covered.open(&self.vertices, &left);
+            let is_moved = |object: u32| !poses.is_as_baked(object);
+            let (left, discs) = (self.covered.left(poses, scene, &is_moved), seen.forest.discs().discs());
+            seen.open = self.covered.open(&self.vertices, discs, &left);
             (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
-            let footprint = self.covered.footprint(&self.vertices, seen.forest.discs().discs(), &left);
+            let footprint = self.covered.footprint(&self.vertices, discs, &left, &seen.open);
             self.has_new_cut = self.is_moved.iter().zip(footprint).map(|(&moved, within)| moved || within).collect();
         }
     }

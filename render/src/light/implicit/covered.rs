@@ -1,15 +1,14 @@
 //! Surfaces that another object lies on. Bins do not show this: they skip back faces around a leaf. The baked vertices do.
 
 use super::{Sides, vertices::VertexLeaves};
+use crate::baked::Baked;
 use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
     dataset::Dataset,
     implicit::forest::{SurfelForest, nodes::Disc},
-    scene::{
-        Mesh,
-        pose::{Objects, Poses},
-    },
+    offset,
+    scene::pose::{Objects, Poses},
     surfel::{MeshPlace, Surfel},
 };
 use rayon::prelude::*;
@@ -28,16 +27,34 @@ pub struct Covered {
     objects: Objects,
 }
 
-/// Boxes of an object that moved, as baked and now.
-pub struct Left {
-    as_baked: Bounds,
-    now: Bounds,
+/// Objects that moved.
+pub struct Left<'a> {
+    /// Their boxes as baked and now.
+    boxes: Vec<[Bounds; 2]>,
+    /// The posed scene.
+    now: &'a Baked,
+    is_moved: &'a (dyn Fn(u32) -> bool + Sync),
 }
 
-impl Left {
-    /// Whether the object covered a place and has left it.
-    fn uncovers(&self, place: Vec3) -> bool {
-        self.as_baked.contains(place) && !self.now.contains(place)
+impl Left<'_> {
+    /// Whether a point of a surface lies within one of them now.
+    fn covers(&self, position: Vec3, normal: Vec3) -> bool {
+        let dataset = &self.now.dataset;
+        let mesh = &dataset.scene.mesh;
+        let is_inside = || {
+            let origin = position + normal * (offset::TRANSPORT * mesh.bounds().diagonal());
+            let hit = self.now.intersector().closest_hit(origin, normal);
+            hit.is_some_and(|hit| {
+                let triangle = hit.triangle as usize;
+                hit.back_face && !dataset.two_sided[triangle] && (self.is_moved)(mesh.triangle_object[triangle])
+            })
+        };
+        self.boxes.iter().any(|[_, now]| now.contains(position)) && is_inside()
+    }
+
+    /// Whether a place is in the box of one of them as baked, or nearer to it than `reach` in meters.
+    fn was_near(&self, place: Vec3, reach: f32) -> bool {
+        self.boxes.iter().any(|[as_baked, _]| as_baked.grown(reach).contains(place))
     }
 }
 
@@ -59,34 +76,48 @@ impl Covered {
         }
     }
 
-    /// Boxes of the moved objects of `poses`; `posed` is the mesh in these poses.
-    pub fn left(&self, poses: &Poses, posed: &Mesh) -> Vec<Left> {
+    /// The moved objects of `poses`; `now` is the posed scene.
+    pub fn left<'a>(&self, poses: &Poses, now: &'a Baked, is_moved: &'a (dyn Fn(u32) -> bool + Sync)) -> Left<'a> {
         let margin = 1e-3 * Bounds::around(self.vertex_positions.iter().copied()).diagonal();
         let of_object = |object: u32| {
             let around = |positions: &[Vec3]| {
                 let places = self.objects.vertices(object).iter().map(|&vertex| positions[vertex as usize]);
                 Bounds::around(places).grown(margin)
             };
-            Left { as_baked: around(&self.vertex_positions), now: around(&posed.positions) }
+            [around(&self.vertex_positions), around(&now.dataset.scene.mesh.positions)]
         };
-        poses.moved().filter(|&object| (object as usize) < self.objects.len()).map(of_object).collect()
+        let moved = poses.moved().filter(|&object| (object as usize) < self.objects.len());
+        Left { boxes: moved.map(of_object).collect(), now, is_moved }
     }
 
     /// Vertices that lay under an object, or so near it that their leaves did, and that it left: bins as baked see through an object
     /// from within, so these vertices have no ratio.
-    pub fn footprint(&self, beside: &VertexLeaves, discs: &[Disc], left: &[Left]) -> Vec<bool> {
-        let of = |(vertex, &position): (usize, &Vec3)| {
+    pub fn footprint(&self, beside: &VertexLeaves, discs: &[Disc], left: &Left, now: &Open) -> Vec<bool> {
+        let of = |(vertex, &place): (usize, &Vec3)| {
             let reach = || beside.of(vertex as u32).map(|(leaf, _)| discs[leaf as usize].radius()).fold(0.0, f32::max);
-            left.iter()
-                .any(|object| !object.now.contains(position) && object.as_baked.grown(reach()).contains(position))
+            now.vertices[vertex] > 0.0 && left.was_near(place, reach())
         };
         self.vertex_positions.par_iter().enumerate().map(of).collect()
     }
 
-    /// Open leaves and vertices after the objects in `left` have moved away.
-    pub fn open(&self, beside: &VertexLeaves, left: &[Left]) -> Open {
-        let leaves = uncovered(&self.leaves, &self.leaf_positions, left);
-        let vertices = uncovered(&self.vertices, &self.vertex_positions, left);
+    /// Open leaves and vertices as baked.
+    pub fn as_baked(&self, beside: &VertexLeaves) -> Open {
+        Open { shares: beside.apply(&self.leaves), leaves: self.leaves.clone(), vertices: self.vertices.clone() }
+    }
+
+    /// Open leaves and vertices after some objects moved; `discs` are the leaves where they are now.
+    pub fn open(&self, beside: &VertexLeaves, discs: &[Disc], left: &Left) -> Open {
+        let after = |open: f32, was: Vec3, now: Vec3, normal: Vec3| match left.covers(now, normal) {
+            true => 0.0,
+            false if left.was_near(was, 0.0) => 1.0,
+            false => open,
+        };
+        let places = self.leaves.par_iter().zip(&self.leaf_positions).zip(discs);
+        let leaves: Vec<f32> =
+            places.map(|((&open, &was), disc)| after(open, was, disc.position, disc.normal)).collect();
+        let mesh = &left.now.dataset.scene.mesh;
+        let places = self.vertices.par_iter().zip(&self.vertex_positions).zip(&mesh.positions).zip(&mesh.normals);
+        let vertices = places.map(|(((&open, &was), &now), &normal)| after(open, was, now, normal)).collect();
         Open { shares: beside.apply(&leaves), leaves, vertices }
     }
 }
@@ -119,12 +150,4 @@ impl Open {
             |values: Vec<Vec3>, shares: &[f32]| values.into_iter().zip(shares).zip(&self.vertices).map(mean).collect();
         Sides { front: side(front, &self.shares[0]), back: side(back, &self.shares[1]) }
     }
-}
-
-/// Open shares of places after some objects have left.
-fn uncovered(as_baked: &[f32], positions: &[Vec3], left: &[Left]) -> Vec<f32> {
-    let open = |(&open, &position): (&f32, &Vec3)| {
-        if open < 1.0 && left.iter().any(|object| object.uncovers(position)) { 1.0 } else { open }
-    };
-    as_baked.iter().zip(positions).map(open).collect()
 }
