@@ -41,9 +41,7 @@ pub struct RadiositySettings {
 impl RadiositySettings {
     /// Usual settings.
     pub const DEFAULT: Self = Self { rays: 512, threshold: 0.05, bounces: 6, least: 0.005, table_bytes: 2 << 30 };
-}
 
-impl RadiositySettings {
     /// Most bytes of the kept rays of some functions, if they all gather.
     pub fn bytes_of_rays(&self, functions: u64) -> u64 {
         (functions * (self.rays * size_of::<GatherHit>()) as u64).min(self.table_bytes)
