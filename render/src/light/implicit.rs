@@ -158,8 +158,7 @@ impl PoseRig {
             seen.forest.update(&mesh.positions, &|object| changed.contains(&object));
             seen.sight.look(&seen.forest, &mesh.positions, &changed);
             seen.points.pose(scene, seen.forest.surfels().collect());
-            let is_moved = |object: u32| !poses.is_as_baked(object);
-            let (left, discs) = (self.covered.left(poses, scene, &is_moved), seen.forest.discs().discs());
+            let (left, discs) = (self.covered.left(poses, scene), seen.forest.discs().discs());
             seen.open = self.covered.open(&self.vertices, discs, &left);
             (self.poses, self.is_moved) = (poses.clone(), moved_vertices(mesh, poses));
             let footprint = self.covered.footprint(&self.vertices, discs, &left, &seen.open);

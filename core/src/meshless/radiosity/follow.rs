@@ -18,7 +18,7 @@ pub(super) struct Moves {
     objects: BTreeMap<u32, (u32, Bounds)>,
     /// For each function: the moves that its kept rays know.
     known: Vec<u32>,
-    /// Rays that the last move changed, as far as their receivers gathered.
+    /// Rays that were traced again since the last move, because this or an earlier one changes them.
     traced_again: u64,
 }
 
@@ -39,7 +39,7 @@ impl Radiosity {
         self.look_again(surface, moved, left);
     }
 
-    /// Rays that were traced again since the last move.
+    /// Kept rays that were traced again since the last move.
     pub fn traced_again(&self) -> u64 {
         self.moves.traced_again
     }
@@ -105,8 +105,11 @@ impl Radiosity {
         let boxes: Vec<Bounds> = moved.values().chain(left).map(|b| b.grown(reach)).collect();
         let owners = self.bases.owners();
         let again = |(function, &known): (usize, &bool)| {
-            let place = || surface.now(&self.bases.points()[function]).position;
-            let changes = moved.contains_key(&owners[function].object) || boxes.iter().any(|b| b.contains(place()));
+            let is_near = || {
+                let place = surface.now(&self.bases.points()[function]).position;
+                boxes.iter().any(|b| b.contains(place))
+            };
+            let changes = moved.contains_key(&owners[function].object) || is_near();
             if changes { self.is_covered(surface, function as u32) } else { known }
         };
         self.covered = self.covered.par_iter().enumerate().map(again).collect();

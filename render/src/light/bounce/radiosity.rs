@@ -55,7 +55,7 @@ pub struct RadiosityRig {
 pub struct RadiosityRays {
     /// Rays that are kept, 8 bytes each.
     pub kept: u64,
-    /// Rays that were traced again since the last move, because it changes them.
+    /// Kept rays that were traced again since the last move.
     pub traced_again: u64,
 }
 

@@ -25,6 +25,8 @@ pub struct Covered {
     vertices: Vec<f32>,
     vertex_positions: Vec<Vec3>,
     objects: Objects,
+    /// Size of the scene in meters, without a ground.
+    diagonal: f32,
 }
 
 /// Objects that moved.
@@ -33,28 +35,39 @@ pub struct Left<'a> {
     boxes: Vec<[Bounds; 2]>,
     /// The posed scene.
     now: &'a Baked,
-    is_moved: &'a (dyn Fn(u32) -> bool + Sync),
+    /// Distance of a ray's start from its surface in meters.
+    offset: f32,
 }
 
 impl Left<'_> {
-    /// Whether a point of a surface lies within one of them now.
-    fn covers(&self, position: Vec3, normal: Vec3) -> bool {
-        let dataset = &self.now.dataset;
-        let mesh = &dataset.scene.mesh;
+    /// Whether something covers a place of a surface that has not moved, where that may have changed: a ray along its normal meets a
+    /// back face.
+    fn is_covered(&self, position: Vec3, normal: Vec3) -> bool {
         let is_inside = || {
-            let origin = position + normal * (offset::TRANSPORT * mesh.bounds().diagonal());
-            let hit = self.now.intersector().closest_hit(origin, normal);
-            hit.is_some_and(|hit| {
-                let triangle = hit.triangle as usize;
-                hit.back_face && !dataset.two_sided[triangle] && (self.is_moved)(mesh.triangle_object[triangle])
-            })
+            let hit = self.now.intersector().closest_hit(position + normal * self.offset, normal);
+            hit.is_some_and(|hit| hit.back_face && !self.now.dataset.two_sided[hit.triangle as usize])
         };
-        self.boxes.iter().any(|[_, now]| now.contains(position)) && is_inside()
+        self.boxes.iter().flatten().any(|either| either.contains(position)) && is_inside()
     }
 
     /// Whether a place is in the box of one of them as baked, or nearer to it than `reach` in meters.
     fn was_near(&self, place: Vec3, reach: f32) -> bool {
         self.boxes.iter().any(|[as_baked, _]| as_baked.grown(reach).contains(place))
+    }
+
+    /// Whether one of them has left a place.
+    fn has_left(&self, place: Vec3) -> bool {
+        self.boxes.iter().any(|[as_baked, now]| as_baked.contains(place) && !now.contains(place))
+    }
+
+    /// Open share of a place, from that as baked.
+    fn open(&self, as_baked: f32, was: Vec3, now: Vec3, normal: Vec3) -> f32 {
+        match was == now {
+            true if self.is_covered(now, normal) => 0.0,
+            true if self.was_near(was, 0.0) => 1.0,
+            false if self.has_left(was) => 1.0,
+            _ => as_baked,
+        }
     }
 }
 
@@ -72,22 +85,22 @@ impl Covered {
             leaf_positions: forest.surfels().map(|surfel| surfel.position).collect(),
             vertex_positions: mesh.positions.clone(),
             objects: Objects::of(&dataset.scene),
+            diagonal: mesh.bounds().diagonal(),
             vertices,
         }
     }
 
     /// The moved objects of `poses`; `now` is the posed scene.
-    pub fn left<'a>(&self, poses: &Poses, now: &'a Baked, is_moved: &'a (dyn Fn(u32) -> bool + Sync)) -> Left<'a> {
-        let margin = 1e-3 * Bounds::around(self.vertex_positions.iter().copied()).diagonal();
+    pub fn left<'a>(&self, poses: &Poses, now: &'a Baked) -> Left<'a> {
         let of_object = |object: u32| {
             let around = |positions: &[Vec3]| {
                 let places = self.objects.vertices(object).iter().map(|&vertex| positions[vertex as usize]);
-                Bounds::around(places).grown(margin)
+                Bounds::around(places).grown(1e-3 * self.diagonal)
             };
             [around(&self.vertex_positions), around(&now.dataset.scene.mesh.positions)]
         };
         let moved = poses.moved().filter(|&object| (object as usize) < self.objects.len());
-        Left { boxes: moved.map(of_object).collect(), now, is_moved }
+        Left { boxes: moved.map(of_object).collect(), now, offset: offset::TRANSPORT * self.diagonal }
     }
 
     /// Vertices that lay under an object, or so near it that their leaves did, and that it left: bins as baked see through an object
@@ -107,17 +120,12 @@ impl Covered {
 
     /// Open leaves and vertices after some objects moved; `discs` are the leaves where they are now.
     pub fn open(&self, beside: &VertexLeaves, discs: &[Disc], left: &Left) -> Open {
-        let after = |open: f32, was: Vec3, now: Vec3, normal: Vec3| match left.covers(now, normal) {
-            true => 0.0,
-            false if left.was_near(was, 0.0) => 1.0,
-            false => open,
-        };
         let places = self.leaves.par_iter().zip(&self.leaf_positions).zip(discs);
         let leaves: Vec<f32> =
-            places.map(|((&open, &was), disc)| after(open, was, disc.position, disc.normal)).collect();
+            places.map(|((&open, &was), disc)| left.open(open, was, disc.position, disc.normal)).collect();
         let mesh = &left.now.dataset.scene.mesh;
         let places = self.vertices.par_iter().zip(&self.vertex_positions).zip(&mesh.positions).zip(&mesh.normals);
-        let vertices = places.map(|(((&open, &was), &now), &normal)| after(open, was, now, normal)).collect();
+        let vertices = places.map(|(((&open, &was), &now), &normal)| left.open(open, was, now, normal)).collect();
         Open { shares: beside.apply(&leaves), leaves, vertices }
     }
 }

@@ -14,24 +14,11 @@ use std::sync::Arc;
 #[derive(Default)]
 pub struct CutsOverRadiosity {
     solver: RadiositySolver,
-    /// Of the last whole light, if that was as baked.
-    further: Option<Further>,
+    /// The sources, of the present bake.
+    tree: Option<Arc<SourceTree>>,
+    /// Irradiance of each source from the bounces of the last whole light in W/m², if that was as baked.
+    further: Option<Vec<Vec3>>,
     gathered: Option<Arc<SourceLighting>>,
-}
-
-/// Bounces beyond the direct light of the sources.
-struct Further {
-    tree: Arc<SourceTree>,
-    /// Irradiance of each source in W/m².
-    irradiance: Vec<Vec3>,
-}
-
-impl Further {
-    fn of(situation: &Situation, rigs: &mut Rigs) -> Option<Self> {
-        let tree = rigs.sources(situation)?.tree().clone();
-        let irradiance = rigs.radiosity(situation)?.at_sources(tree.sources());
-        Some(Self { tree, irradiance })
-    }
 }
 
 impl Described for CutsOverRadiosity {
@@ -46,12 +33,14 @@ impl Described for CutsOverRadiosity {
 
 impl BounceSolver for CutsOverRadiosity {
     fn advance(&mut self, situation: &Situation, changes: Changes, rigs: &mut Rigs) -> bool {
+        self.forget_another_bake(situation, rigs);
         let was_whole = self.solver.is_whole();
         let goes_on = self.solver.advance(situation, changes, rigs);
         let (is_as_baked, is_now_whole) = (situation.poses.is_empty(), !was_whole && self.solver.is_whole());
         if is_now_whole && is_as_baked {
-            self.further = Further::of(situation, rigs);
-        } else if !is_as_baked && (is_now_whole || changes.relight()) || self.is_of_another_bake(situation, rigs) {
+            let tree = self.tree.clone();
+            self.further = tree.zip(rigs.radiosity(situation)).map(|(tree, rig)| rig.at_sources(tree.sources()));
+        } else if !is_as_baked && (is_now_whole || changes.relight()) {
             self.further = None;
         }
         let changes = is_now_whole || changes.poses || changes.relight() || changes.gathering;
@@ -80,15 +69,17 @@ impl CutsOverRadiosity {
         self.further.is_none() && self.solver.was_ever_whole()
     }
 
-    fn is_of_another_bake(&self, situation: &Situation, rigs: &mut Rigs) -> bool {
-        let Some(further) = &self.further else { return false };
-        !rigs.sources(situation).is_some_and(|rig| Arc::ptr_eq(rig.tree(), &further.tree))
+    fn forget_another_bake(&mut self, situation: &Situation, rigs: &mut Rigs) {
+        let tree = rigs.sources(situation).map(|rig| rig.tree().clone());
+        if tree.as_ref().map(Arc::as_ptr) != self.tree.as_ref().map(Arc::as_ptr) {
+            (self.tree, self.further, self.gathered) = (tree, None, None);
+        }
     }
 
     /// The further bounces of the light before stand in until those of the present light are whole.
     fn gather(&self, situation: &Situation, rigs: &mut Rigs) -> Option<Arc<SourceLighting>> {
         let Gathering { illum_cut, tau } = situation.gathering;
-        let further = self.further.as_ref().map_or(&[][..], |further| &further.irradiance);
+        let further = self.further.as_deref().unwrap_or_default();
         Some(rigs.sources(situation)?.lighting_with(further, illum_cut).with_tau(tau).into())
     }
 }
