@@ -145,6 +145,21 @@ fn what_an_object_lay_on_is_lit_when_it_is_lifted_and_stays_dark_while_it_lies()
 }
 
 #[test]
+fn far_places_of_a_ground_keep_their_cuts() {
+    let mut lying = blocked(white(), 8);
+    let blocker = lying.scene.mesh.positions.len() - 8;
+    lying.scene.mesh.positions[blocker..].iter_mut().for_each(|position| position.y -= 0.997);
+    lapidary_core::ground::add_ground(&mut lying.scene);
+    let baked = Baked::from(Dataset { scene: lying.scene.clone(), ..dataset(lying.scene.mesh.clone(), white()) });
+    let mut rig = under_the_sky(&baked);
+    rig.set_poses(&baked, &posed(Pose { translate: Vec3::X * 1.3, ..Pose::AS_BAKED }));
+    let places = lying.scene.mesh.positions.iter().map(|position| position.length());
+    let renewed = places.clone().zip(rig.has_new_cut()).filter(|(_, is_new)| **is_new).map(|(place, _)| place);
+    let [farthest, all] = [renewed.fold(0.0, f32::max), places.fold(0.0, f32::max)];
+    assert!(farthest > 0.0 && farthest < 2.0 && all > 100.0, "{farthest} of {all}");
+}
+
+#[test]
 fn what_moved_is_lit_by_its_own_bins_glossy_too() {
     for parameters in [Parameters::from(white()), glossy(0.4).into()] {
         let mut as_baked = blocked(parameters.clone(), 8);
