@@ -37,15 +37,19 @@ pub struct Left<'a> {
     now: &'a Baked,
     /// Distance of a ray's start from its surface in meters.
     offset: f32,
+    /// Distance in meters within which surfaces touch.
+    touch: f32,
 }
 
 impl Left<'_> {
     /// Whether something covers a place of a surface that has not moved, where that may have changed: a ray along its normal meets a
-    /// back face.
+    /// back face, or ends where it begins.
     fn is_covered(&self, position: Vec3, normal: Vec3) -> bool {
         let is_inside = || {
             let hit = self.now.intersector().closest_hit(position + normal * self.offset, normal);
-            hit.is_some_and(|hit| hit.back_face && !self.now.dataset.two_sided[hit.triangle as usize])
+            hit.is_some_and(|hit| {
+                hit.distance < self.touch || hit.back_face && !self.now.dataset.two_sided[hit.triangle as usize]
+            })
         };
         self.boxes.iter().flatten().any(|either| either.contains(position)) && is_inside()
     }
@@ -92,15 +96,16 @@ impl Covered {
 
     /// The moved objects of `poses`; `now` is the posed scene.
     pub fn left<'a>(&self, poses: &Poses, now: &'a Baked) -> Left<'a> {
+        let touch = 1e-3 * self.diagonal;
         let of_object = |object: u32| {
             let around = |positions: &[Vec3]| {
                 let places = self.objects.vertices(object).iter().map(|&vertex| positions[vertex as usize]);
-                Bounds::around(places).grown(1e-3 * self.diagonal)
+                Bounds::around(places).grown(touch)
             };
             [around(&self.vertex_positions), around(&now.dataset.scene.mesh.positions)]
         };
         let moved = poses.moved().filter(|&object| (object as usize) < self.objects.len());
-        Left { boxes: moved.map(of_object).collect(), now, offset: offset::TRANSPORT * self.diagonal }
+        Left { boxes: moved.map(of_object).collect(), now, offset: offset::TRANSPORT * self.diagonal, touch }
     }
 
     /// Vertices that lay under an object, or so near it that their leaves did, and that it left: bins as baked see through an object
