@@ -111,11 +111,6 @@ impl GatherTable {
         self.rows[receiver as usize].as_mut().expect("its rays are kept")
     }
 
-    /// The receivers whose rays are kept.
-    pub fn receivers(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.rows.len() as u32).filter(|&receiver| self.rows[receiver as usize].is_some())
-    }
-
     /// Bytes of the rays.
     pub fn bytes(&self) -> u64 {
         self.bytes

@@ -1,4 +1,5 @@
-//! Surfaces that another object lies on. Bins do not show this: they skip back faces around a leaf. The baked vertices do.
+//! Surfaces that another object lies on. Bins do not show this: they skip back faces around a leaf. The baked vertices show it as
+//! baked, and rays where an object moved.
 
 use super::{Sides, vertices::VertexLeaves};
 use crate::baked::Baked;

@@ -22,8 +22,8 @@ struct Sight {
     above: Vec<f32>,
 }
 
-/// The cuts of a dataset, with new ones for the vertices in `renewed`. `open` tells how much of a leaf counts
-/// for a vertex.
+/// The cuts of a dataset, with new ones for the vertices in `renewed`. `open` tells how much of a leaf counts for a
+/// vertex: 0 to 1, by vertex and leaf.
 pub fn of_bins(
     dataset: &Dataset,
     (forest, views): (&DiscForest, &Views),

@@ -52,8 +52,9 @@ fn measured(baked: &Baked, look: &Look, object: &str, there: &Poses, moves: u32)
     let without = || anyhow!("the dataset has no bases of objects; bake it with --mode radiosity or cuts,radiosity");
     let mut rig = RadiosityRig::new(baked).ok_or_else(without)?;
     let mut situation = lit(baked, look);
+    let start = Instant::now();
     rig.update(&situation, Changes::ALL);
-    let whole = Solved::by(&mut rig, Instant::now());
+    let whole = Solved::by(&mut rig, start);
     let mut posing = Posing::new(baked);
     let (mut solved, mut again) = (Vec::new(), 0);
     for number in 0..moves {
