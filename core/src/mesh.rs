@@ -402,6 +402,11 @@ impl Mesh {
         })
     }
 
+    /// Moves vertices to one point, so that their triangles have no area. Normals and tangents stay.
+    pub(crate) fn collapse(&mut self, vertices: &[u32], to: Vec3) {
+        vertices.iter().for_each(|&vertex| self.positions[vertex as usize] = to);
+    }
+
     /// Transforms a vertex by a similarity with this rotation.
     pub(crate) fn turn_vertex(&mut self, vertex: usize, similarity: Affine3A, rotation: Quat) {
         self.positions[vertex] = similarity.transform_point3(self.positions[vertex]);

@@ -12,8 +12,8 @@ use crate::{
 };
 use glam::DVec3;
 use placed::Placed;
-use pose::ClipTime;
-use std::sync::Arc;
+use pose::{ClipTime, DeformedObject};
+use std::{collections::BTreeMap, sync::Arc};
 use thiserror::Error;
 
 /// A named part of the scene that can be selected.
@@ -44,6 +44,8 @@ pub struct Scene {
     pub part_opacities: Vec<PartOpacity>,
     /// Objects that a bake moved or deformed; a file has none.
     pub placed: Vec<Placed>,
+    /// Objects that a bake hid, with their vertices where they would be; in the mesh they are points. A file has none.
+    pub hidden: BTreeMap<u32, DeformedObject>,
     /// The animation time of a bake; `None` at rest, as in a file.
     pub clip_time: Option<ClipTime>,
     /// Where its origin is in the source file, in meters: a scene far from the origin there is moved, for precision.
@@ -64,6 +66,7 @@ impl Scene {
             variants: self.variants.clone(),
             part_opacities: self.part_opacities.clone(),
             placed: self.placed.clone(),
+            hidden: self.hidden.clone(),
             clip_time: self.clip_time.clone(),
             origin: self.origin,
         }

@@ -7,10 +7,10 @@ mod tests;
 
 use crate::{
     actions::{Action, CameraAction, FileAction, MaterialAction, SelectAction},
-    document::Document,
+    document::{Document, Edit},
     dragged::Dragged,
     viewport::gizmo::{Pivot, Subject},
-    widgets::{outline, section},
+    widgets::{eye, outline, section},
 };
 use egui::{
     Button, Color32, ComboBox, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
@@ -20,6 +20,7 @@ use lapidary_core::{
     dataset::Dataset,
     material::Material,
     parts::{Part, Variants},
+    scene::pose::Pose,
 };
 use std::collections::BTreeSet;
 
@@ -119,9 +120,28 @@ fn objects(
             for material in shown.into_iter().take(SWATCHES) {
                 object_swatch(ui, context, names[index], material, actions);
             }
-            object_name(ui, context, index as u32, names[index], actions);
+            ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
+                object_eye(ui, context, index as u32, names[index], actions);
+                object_name(ui, context, index as u32, names[index], actions);
+            });
         });
     });
+}
+
+/// The eye that hides an object or shows it; the ground has a setting of its own.
+fn object_eye(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, actions: &mut Vec<Action>) {
+    let is_ground = context.dataset.is_some_and(|dataset| dataset.scene.mesh.ground_object() == Some(object));
+    let is_hidden = context.document.poses.of(object).hidden;
+    if !is_ground && eye(ui, ["Hide", "Show"], name, !is_hidden).clicked() {
+        actions.extend(hide(context.document, [object], !is_hidden));
+    }
+}
+
+/// Hides objects or shows them, as one step of undo.
+pub fn hide(document: &Document, objects: impl IntoIterator<Item = u32>, hidden: bool) -> [Action; 2] {
+    let posed = |object: u32| (object, Pose { hidden, ..document.poses.of(object) });
+    let edit = Edit::Poses(objects.into_iter().map(posed).collect());
+    [Action::Edit { edit, label: if hidden { "Hide" } else { "Show" } }, Action::EndGesture]
 }
 
 /// The name of an object: a click selects it alone; with Ctrl it adds or removes it.
@@ -131,6 +151,9 @@ fn object_name(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, act
         let (fill, color) = (ui.visuals().selection.bg_fill.gamma_multiply(WEAK), ui.visuals().text_color());
         let selection = &mut ui.visuals_mut().selection;
         (selection.bg_fill, selection.stroke.color) = (fill, color);
+    }
+    if context.document.poses.of(object).hidden {
+        ui.visuals_mut().override_text_color = Some(ui.visuals().weak_text_color());
     }
     let name = name_button(ui, is_active || moves_along, name);
     let adds = ui.input(|input| input.modifiers.command);

@@ -8,6 +8,7 @@
 mod color;
 mod edit_row;
 pub mod entries;
+mod eye;
 mod layers;
 mod layout;
 mod texture;
@@ -15,6 +16,7 @@ pub mod units;
 
 pub use color::{color_row, display_color};
 pub use edit_row::edit_row;
+pub use eye::eye;
 pub use layers::Layers;
 pub use layout::{RowName, row, row_of};
 pub use texture::texture_of;

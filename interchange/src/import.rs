@@ -10,7 +10,7 @@ use glam::Vec3;
 pub(crate) use gltf::percent_decoded;
 use lapidary_core::{animation::Animation, names::told_apart, scene::Scene};
 use source::Source;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 mod budget;
 mod fields;
@@ -102,6 +102,7 @@ fn finish(source: Source, path: &Path) -> Result<Imported, ImportError> {
         variants,
         part_opacities: Vec::new(),
         placed: Vec::new(),
+        hidden: BTreeMap::new(),
         clip_time: None,
         origin: source.origin.unwrap_or_default(),
     };

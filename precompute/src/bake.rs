@@ -47,7 +47,7 @@ use lapidary_core::{
     memory::{peak, resident},
     output::check_output,
     ray::RayDevices,
-    scene::{Scene, placed::deformed_hash},
+    scene::{Scene, placed::deformed_hash, pose::Poses},
 };
 use std::{
     path::{Path, PathBuf},
@@ -79,6 +79,7 @@ pub fn bake_on(
     let mut clock = Clock::new(&remarks, job.import_secs);
     let begun = Begun::new(scene, job, &Work::All, devices, &mut clock)?;
     let (dataset, checkpoint) = begun.dataset(job.warnings.clone(), clock)?;
+    let dataset = with_hidden(dataset, &job.poses, &remarks)?;
     finish(dataset, checkpoint, &job.output, &remarks)
 }
 
@@ -142,6 +143,16 @@ pub fn merge(output: &Path, decode: DecodePicture, observer: &dyn Observer) -> R
     finish(dataset, checkpoint, output, &remarks)
 }
 
+/// Hides objects in a finished bake. So their vertices, sources and functions are there when they are shown again.
+fn with_hidden(shown: Dataset, poses: &Poses, observer: &dyn Observer) -> Result<Dataset, BakeError> {
+    if !poses.has_hidden() {
+        return Ok(shown);
+    }
+    let mut scene = shown.scene.clone();
+    scene.place_again(poses).map_err(BakeError::Pose)?;
+    update::update(&shown, scene, observer)
+}
+
 fn check_outputs(job: &BakeJob) -> Result<(), BakeError> {
     let inputs: Vec<&Path> = job.inputs.iter().map(PathBuf::as_path).collect();
     Ok(check_output(&job.output, &inputs)?)
@@ -196,7 +207,7 @@ impl<'a> Begun<'a> {
             scene_hash: bake_hash(&hash, &scene, &job.poses, job.clip_time.as_ref()),
             deformed_hash: deformed_hash(&job.poses),
         };
-        scene.place(&job.poses).map_err(BakeError::Pose)?;
+        scene.place(&job.poses.all_shown()).map_err(BakeError::Pose)?;
         scene.clip_time.clone_from(&job.clip_time);
         let vertices = most_vertices(scene.mesh.positions.len(), &settings);
         if settings.ground != Ground::Off {

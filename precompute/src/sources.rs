@@ -3,7 +3,7 @@
 //!
 //! Also the surface sources made of them: their positions, their tree, and their solid angles from a bake point.
 
-mod areas;
+pub mod areas;
 pub mod candidates;
 mod cells;
 pub mod disk;

@@ -217,7 +217,10 @@ mod tests {
         let baked = Baked::from(crate::test_scenes::linked_floor_and_wall());
         let mut poses = Poses::default();
         assert!(baked.posed(&poses).unwrap().is_same(&baked));
-        poses.set(0, Pose { translate: Vec3::new(0.0, 0.5, 0.0), rotate_degrees: Vec3::Y * 30.0, scale: 1.5 });
+        poses.set(
+            0,
+            Pose { translate: Vec3::new(0.0, 0.5, 0.0), rotate_degrees: Vec3::Y * 30.0, scale: 1.5, ..Pose::AS_BAKED },
+        );
         let posed = baked.posed(&poses).unwrap();
         let mesh = &posed.dataset.scene.mesh;
         let directions = lapidary_core::sphere::fibonacci_directions(500);

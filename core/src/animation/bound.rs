@@ -11,9 +11,12 @@ use crate::{
     },
 };
 use rayon::prelude::*;
-use std::sync::{
-    Arc,
-    atomic::{AtomicU32, Ordering},
+use std::{
+    collections::BTreeSet,
+    sync::{
+        Arc,
+        atomic::{AtomicU32, Ordering},
+    },
 };
 
 /// Largest distance of a vertex from the file's surface, relative to the diagonal of the scene; beyond it the shape is another.
@@ -33,6 +36,8 @@ pub struct BoundAnimation {
     as_baked: Posture,
     /// Objects that the bake moved relative to the file.
     placed: Vec<Placed>,
+    /// Objects that the bake hid.
+    hidden: BTreeSet<u32>,
     objects: Vec<BoundObject>,
     number: u32,
 }
@@ -62,8 +67,8 @@ impl BoundAnimation {
             return Err(AnimationError::OtherShape { path: animation.path.clone(), object: name, distance: *distance });
         }
         let objects = bound.into_iter().map(|(object, _)| object).collect();
-        let placed = scene.placed.clone();
-        Ok(Self { animation, as_baked, placed, objects, number: NEXT.fetch_add(1, Ordering::Relaxed) })
+        let (placed, hidden) = (scene.placed.clone(), scene.hidden.keys().copied().collect());
+        Ok(Self { animation, as_baked, placed, hidden, objects, number: NEXT.fetch_add(1, Ordering::Relaxed) })
     }
 
     /// The clips.
@@ -116,6 +121,11 @@ impl BoundAnimation {
         let deformed: Vec<_> = self.objects.par_iter().map(|object| self.deformed(object, posture)).collect();
         for (object, vertices) in self.objects.iter().zip(deformed) {
             posed.deform(object.object, vertices.map(|vertices| DeformedObject::new(vertices, revision)));
+        }
+        // An object that the bake hid is a point, or it has its vertices again.
+        for &object in &self.hidden {
+            let (shown, in_time) = (poses.deformed(object), posed.deformed(object));
+            posed.deform(object, shown.map(|shown| in_time.unwrap_or(shown).clone()));
         }
         posed
     }

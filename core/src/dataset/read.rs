@@ -6,16 +6,19 @@ use super::{
     header::Header,
     reader::{Reader, TensorFile},
     stored::all_stored,
+    tensors::HIDDEN_POSITIONS,
 };
 use crate::{
+    bounds::is_within_reach,
     light_tree::{LightTree, is_permutation},
     material::Material,
     mesh::Mesh,
-    scene::{Object, Scene},
+    scene::{Object, Scene, pose::Objects},
     texture::Texture,
 };
+use glam::Vec3;
 use safetensors::Dtype;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 impl Dataset {
     /// Reads and checks a dataset. `decode` decodes its pictures.
@@ -33,8 +36,10 @@ impl Dataset {
             header.materials.iter_mut().for_each(Material::with_ward_of_before);
         }
         let checksums = header.checksums.clone();
-        let dataset = Reader { file: &file, checksums: &checksums }.dataset(header, decode).map_err(damaged)?;
+        let reader = Reader { file: &file, checksums: &checksums };
+        let mut dataset = reader.dataset(header, decode).map_err(damaged)?;
         dataset.validate().map_err(damaged)?;
+        reader.hidden(&mut dataset.scene).map_err(damaged)?;
         Ok(dataset)
     }
 }
@@ -103,9 +108,26 @@ impl Reader<'_> {
             variants: header.variants.clone(),
             part_opacities: header.part_opacities.clone(),
             placed: header.placed.clone(),
+            hidden: BTreeMap::new(),
             clip_time: header.clip_time.clone(),
             origin: header.origin,
         })
+    }
+
+    /// Gives a valid scene the vertices of its hidden objects.
+    fn hidden(&self, scene: &mut Scene) -> Result<(), Damage> {
+        let hidden: Vec<u32> = scene.placed.iter().filter(|of| of.pose.hidden).map(|of| of.object).collect();
+        if hidden.is_empty() {
+            return Ok(());
+        }
+        let objects = Objects::of(scene);
+        let expected = hidden.iter().map(|&object| objects.vertices(object).len()).sum();
+        let positions: Vec<Vec3> = self.array(HIDDEN_POSITIONS, Dtype::F32, &[3], Some(expected))?;
+        if !positions.iter().all(|&place| is_within_reach(place)) {
+            return Err(Damage::Placed);
+        }
+        scene.keep_hidden(&hidden, &positions);
+        Ok(())
     }
 
     fn texture(&self, index: usize, name: &str, decode: DecodePicture) -> Result<Texture, Damage> {

@@ -11,6 +11,9 @@ use std::{borrow::Cow, collections::HashMap};
 /// Key of the JSON in the safetensors metadata.
 pub(crate) const METADATA_KEY: &str = "lapidary";
 
+/// Name of the positions of hidden objects' vertices, object by object.
+pub(super) const HIDDEN_POSITIONS: &str = "hidden_positions";
+
 /// A tensor to be written.
 pub(super) struct Tensor<'a> {
     pub name: String,

@@ -4,9 +4,10 @@ use super::{
     BakeReport, BakeSettings, Dataset, DatasetError, FORMAT_VERSION, brdfs,
     header::Header,
     stored::all_stored,
-    tensors::{Tensor, arranged, checksum, cut_tensors, tensor},
+    tensors::{HIDDEN_POSITIONS, Tensor, arranged, checksum, cut_tensors, owned, tensor},
 };
 use crate::{material::Material, output::write_parts_atomically};
+use glam::Vec3;
 use safetensors::Dtype;
 use std::{borrow::Cow, collections::BTreeMap, io, path::Path};
 
@@ -93,6 +94,10 @@ impl Dataset {
         }
         if !mesh.colors.is_empty() {
             tensors.push(tensor("colors", Dtype::F32, [v, 3], &mesh.colors));
+        }
+        if !self.scene.hidden.is_empty() {
+            let places: Vec<Vec3> = self.scene.hidden.values().flat_map(|of| of.vertices().positions.clone()).collect();
+            tensors.push(owned(tensor(HIDDEN_POSITIONS, Dtype::F32, [places.len(), 3], &places)));
         }
         tensors.extend(cut_tensors(["cuts", "cut_offsets"], &self.cuts));
         tensors.extend(all_stored().flat_map(|part| part.tensors(self)));

@@ -169,7 +169,12 @@ mod tests {
     }
 
     fn pose(x: f32, degrees: f32, scale: f32) -> Pose {
-        Pose { translate: Vec3::new(x, 0.2, -0.3), rotate_degrees: Vec3::new(degrees, 2.0 * degrees, 0.0), scale }
+        Pose {
+            translate: Vec3::new(x, 0.2, -0.3),
+            rotate_degrees: Vec3::new(degrees, 2.0 * degrees, 0.0),
+            scale,
+            ..Pose::AS_BAKED
+        }
     }
 
     /// Hits of rays in all directions: triangles and distances.

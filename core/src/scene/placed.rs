@@ -31,13 +31,16 @@ impl Placed {
 
     /// Converts a pose relative to the file to one relative to the bake.
     pub(super) fn since_baked(&self, of_file: Pose) -> Pose {
-        if of_file == self.pose {
-            return Pose::AS_BAKED;
+        // An object that the bake hid stays a point until its vertices are put back; see `Scene::poses_since_baked`.
+        let hidden = of_file.hidden && !self.pose.hidden;
+        if of_file.shown() == self.pose.shown() {
+            return Pose { hidden, ..Pose::AS_BAKED };
         }
         let from_baked = self.world_from_file(&of_file) * self.world_from_file(&self.pose).inverse();
         Pose {
             translate: from_baked.transform_point3(self.baked_center) - self.baked_center,
             scale: of_file.scale / self.pose.scale,
+            hidden,
             ..Pose::AS_BAKED.with_rotation(of_file.rotation() * self.pose.rotation().inverse())
         }
     }
@@ -49,11 +52,13 @@ impl Placed {
     }
 }
 
-/// A hash of poses and a time, in hexadecimal; `None` if everything is as in the file.
+/// A hash of poses and a time, in hexadecimal; `None` if everything is as in the file. Hidden objects count as shown: so they are
+/// when a bake begins.
 pub fn hash(poses: &Poses, time: Option<&ClipTime>) -> Option<String> {
     let mut hasher = blake3::Hasher::new();
+    let poses = poses.all_shown();
     for object in poses.without_deformed().moved() {
-        let Pose { translate, rotate_degrees, scale } = poses.of(object);
+        let Pose { translate, rotate_degrees, scale, .. } = poses.of(object);
         hasher.update(&object.to_le_bytes());
         let numbers = [translate.to_array(), rotate_degrees.to_array(), [scale, 0.0, 0.0]];
         hasher.update(bytemuck::cast_slice(numbers.as_flattened()));

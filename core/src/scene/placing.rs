@@ -3,10 +3,13 @@
 use super::{
     Mesh, MeshError, Scene,
     placed::Placed,
-    pose::{Objects, Pose, Poses},
+    pose::{DeformedObject, Objects, Pose, Poses},
 };
 use glam::Vec3;
-use std::collections::BTreeSet;
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, BTreeSet},
+};
 
 impl Objects {
     /// The objects of a scene as baked. A vertex shared by several objects goes to the first.
@@ -21,19 +24,7 @@ impl Scene {
     /// # Errors
     /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE); the scene is then unchanged.
     pub fn place(&mut self, poses: &Poses) -> Result<(), MeshError> {
-        let before = Objects::of(self);
-        self.mesh = poses.pose(&self.mesh, &before)?;
-        let after = Objects::of(self);
-        // A deformed object has another box than in its file but still turns about the file's center.
-        let moved = poses.moved().filter(|&object| (object as usize) < before.len());
-        let placed = |object| Placed {
-            object,
-            pose: poses.of(object),
-            center: before.center(object),
-            baked_center: after.center(object),
-        };
-        self.placed = moved.map(placed).collect();
-        Ok(())
+        self.place_objects(poses, &poses.all_shown(), poses.moved().collect())
     }
 
     /// Places the objects of a baked scene anew, by poses relative to the file. Where the bake deformed objects, they keep their form.
@@ -41,22 +32,45 @@ impl Scene {
     /// # Errors
     /// As [`Self::place`].
     pub fn place_again(&mut self, of_file: &Poses) -> Result<(), MeshError> {
-        let before = Objects::of(self);
-        let since = self.poses_since_baked(of_file);
-        self.mesh = since.pose(&self.mesh, &before)?;
-        let after = Objects::of(self);
         let is_deformed = |placed: &&Placed| self.clip_time.is_some() || placed.pose == Pose::AS_BAKED;
         let deformed = self.placed.iter().filter(is_deformed).map(|placed| placed.object);
-        let placed_objects: BTreeSet<u32> =
-            deformed.chain(of_file.moved()).filter(|&o| (o as usize) < before.len()).collect();
-        let placed = |object: u32| Placed {
+        let placed = deformed.chain(of_file.moved()).collect();
+        self.place_objects(of_file, &self.poses_since_baked(&of_file.all_shown()), placed)
+    }
+
+    /// Moves the mesh by poses `since` its present state, notes the `placed` objects, and hides some.
+    fn place_objects(&mut self, of_file: &Poses, since: &Poses, placed: BTreeSet<u32>) -> Result<(), MeshError> {
+        let before = Objects::of(self);
+        self.mesh = since.pose(&self.mesh, &before)?;
+        // A deformed object has another box than in its file but still turns about the file's center.
+        let after = Objects::of(self);
+        let note = |object: u32| Placed {
             object,
             pose: of_file.of(object),
             center: self.center_in_file(object).unwrap_or(before.center(object)),
             baked_center: after.center(object),
         };
-        self.placed = placed_objects.into_iter().map(placed).collect();
+        let placed = placed.into_iter().filter(|&object| (object as usize) < before.len());
+        self.placed = placed.map(note).collect();
+        self.hidden.clear();
+        for Placed { object, baked_center, .. } in self.placed.iter().filter(|placed| placed.pose.hidden) {
+            let vertices = after.vertices(*object);
+            self.hidden.insert(*object, DeformedObject::of_mesh(&self.mesh, vertices));
+            self.mesh.collapse(vertices, *baked_center);
+        }
         Ok(())
+    }
+
+    /// Restores what is known of `hidden` objects from the positions of their vertices, object by object.
+    pub(crate) fn keep_hidden(&mut self, hidden: &[u32], mut positions: &[Vec3]) {
+        let objects = Objects::of(self);
+        let mut mesh = self.mesh.clone();
+        for &object in hidden {
+            let (own, others) = positions.split_at(objects.vertices(object).len());
+            own.iter().zip(objects.vertices(object)).for_each(|(&at, &v)| mesh.positions[v as usize] = at);
+            self.hidden.insert(object, DeformedObject::of_mesh(&mesh, objects.vertices(object)));
+            positions = others;
+        }
     }
 
     /// Poses of its objects relative to the file.
@@ -70,12 +84,32 @@ impl Scene {
     pub fn poses_since_baked(&self, of_file: &Poses) -> Poses {
         let mut poses = of_file.clone();
         self.placed.iter().for_each(|placed| poses.set(placed.object, placed.since_baked(of_file.of(placed.object))));
+        let shown_again = self.hidden.iter().filter(|(object, _)| !of_file.of(**object).hidden);
+        shown_again.for_each(|(&object, vertices)| poses.deform(object, Some(vertices.clone())));
         poses
+    }
+
+    /// The mesh with the objects that a bake hid, where they would be.
+    pub fn shown_mesh(&self) -> Cow<'_, Mesh> {
+        if self.hidden.is_empty() {
+            return Cow::Borrowed(&self.mesh);
+        }
+        let mut shown = Poses::default();
+        self.hidden.iter().for_each(|(&object, vertices)| shown.deform(object, Some(vertices.clone())));
+        Cow::Owned(shown.pose(&self.mesh, &Objects::of(self)).expect("vertices of this mesh"))
+    }
+
+    /// The same scene with the objects that a bake hid.
+    pub fn with_all_shown(&self) -> Cow<'_, Self> {
+        match self.shown_mesh() {
+            Cow::Borrowed(_) => Cow::Borrowed(self),
+            Cow::Owned(mesh) => Cow::Owned(Self { hidden: BTreeMap::new(), ..self.with_mesh(mesh) }),
+        }
     }
 
     /// The mesh with all objects at their places in the file.
     pub(crate) fn unplaced(&self) -> Mesh {
-        let (mut mesh, objects) = (self.mesh.clone(), Objects::of(self));
+        let (mut mesh, objects) = (self.shown_mesh().into_owned(), Objects::of(self));
         for placed in &self.placed {
             let (file_from_baked, rotation) = (placed.baked_from_file().inverse(), placed.pose.rotation().inverse());
             for &vertex in objects.vertices(placed.object) {
@@ -110,7 +144,7 @@ mod tests {
 
     fn pose(x: f32, degrees: f32, scale: f32) -> Pose {
         let rotate_degrees = Vec3::new(degrees, -0.5 * degrees, 2.0 * degrees);
-        Pose { translate: Vec3::new(x, 0.3, -x), rotate_degrees, scale }
+        Pose { translate: Vec3::new(x, 0.3, -x), rotate_degrees, scale, ..Pose::AS_BAKED }
     }
 
     fn poses(of: [(u32, Pose); 2]) -> Poses {
@@ -135,6 +169,38 @@ mod tests {
         assert!(apart(&as_in_the_file.positions, &expected.positions) > 0.3, "negative control");
         assert!(baked.poses_since_baked(&baked_so).is_empty(), "to the bit");
         assert_eq!((baked.placed_poses(), baked.center_in_file(1)), (baked_so, None));
+    }
+
+    #[test]
+    fn an_object_that_a_bake_hid_comes_back_to_the_bit() {
+        let hidden = poses([(0, Pose { hidden: true, ..pose(0.4, 25.0, 1.5) }), (2, pose(-0.7, -70.0, 0.6))]);
+        let shown = hidden.all_shown();
+        let scene = |poses: &Poses| {
+            let mut scene = cubes(3);
+            scene.place(poses).unwrap();
+            scene
+        };
+        let again = |scene: &Scene, poses: &Poses| {
+            let mut scene = scene.clone();
+            scene.place_again(poses).unwrap();
+            scene
+        };
+        let seen = |scene: &Scene, of_file: &Poses| {
+            scene.poses_since_baked(of_file).pose(&scene.mesh, &Objects::of(scene)).unwrap()
+        };
+        let [without, with] = [&hidden, &shown].map(scene);
+        assert!(without.mesh != with.mesh && *without.shown_mesh() == with.mesh, "negative control: one lacks it");
+        assert!(without.poses_since_baked(&hidden).is_empty() && without.placed_poses() == hidden);
+        assert_eq!(with.poses_since_baked(&hidden).hidden().collect::<Vec<_>>(), [0]);
+        assert!(seen(&without, &shown) == with.mesh && seen(&with, &hidden).positions == without.mesh.positions);
+        let (back, gone) = (again(&without, &shown), again(&with, &hidden));
+        assert!(back.mesh == with.mesh && back.hidden.is_empty() && back.placed_poses() == shown);
+        assert!(gone.mesh == without.mesh && gone.hidden == without.hidden);
+        let elsewhere = poses([(0, pose(-0.2, 10.0, 0.9)), (1, pose(0.1, 5.0, 1.1))]);
+        let (found, expected) = (seen(&without, &elsewhere), scene(&elsewhere).mesh);
+        let apart = found.positions.iter().zip(&expected.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(apart < 1e-5, "{apart}: shown, and moved");
+        assert_eq!(hash(&hidden, None), hash(&shown, None), "a bake begins with all objects shown");
     }
 
     /// The result of an animation: a cube that slides and grows.

@@ -50,6 +50,9 @@ pub struct Pose {
     pub rotate_degrees: Vec3,
     /// Scale, 1 as baked; above 0, at most [`MOST_SCALE`].
     pub scale: f32,
+    /// Whether the object is hidden: no ray meets it and no picture shows it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub hidden: bool,
 }
 
 impl Default for Pose {
@@ -60,7 +63,12 @@ impl Default for Pose {
 
 impl Pose {
     /// The baked pose.
-    pub const AS_BAKED: Self = Self { translate: Vec3::ZERO, rotate_degrees: Vec3::ZERO, scale: 1.0 };
+    pub const AS_BAKED: Self = Self { translate: Vec3::ZERO, rotate_degrees: Vec3::ZERO, scale: 1.0, hidden: false };
+
+    /// The same pose of the object shown.
+    pub fn shown(self) -> Self {
+        Self { hidden: false, ..self }
+    }
 
     /// The rotation as a quaternion.
     pub fn rotation(&self) -> Quat {
@@ -140,6 +148,23 @@ impl Poses {
         Self { clip_time: Some(time).filter(|_| !self.deformed.is_empty()), ..self }
     }
 
+    /// Indices of the hidden objects.
+    pub fn hidden(&self) -> impl Iterator<Item = u32> {
+        self.of_object.iter().filter(|(_, pose)| pose.hidden).map(|(&object, _)| object)
+    }
+
+    /// Whether an object is hidden.
+    pub fn has_hidden(&self) -> bool {
+        self.hidden().next().is_some()
+    }
+
+    /// The same poses with all objects shown.
+    pub fn all_shown(&self) -> Self {
+        let mut shown = self.clone();
+        self.hidden().for_each(|object| shown.set(object, self.of(object).shown()));
+        shown
+    }
+
     /// The same poses without deformed objects.
     pub fn without_deformed(&self) -> Self {
         Self { of_object: self.of_object.clone(), ..Self::default() }
@@ -179,7 +204,7 @@ impl Poses {
         all.into_iter()
     }
 
-    /// The mesh with posed objects.
+    /// The mesh with posed objects. A hidden object is a point.
     ///
     /// # Errors
     /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE), or vertices of a deformed object that do not
@@ -187,27 +212,17 @@ impl Poses {
     pub fn pose(&self, mesh: &Mesh, objects: &Objects) -> Result<Mesh, MeshError> {
         let mut posed = mesh.clone();
         for (&object, deformed) in self.deformed.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
-            deform_vertices(&mut posed, object, objects.vertices(object), deformed.vertices())?;
+            deformed.put(&mut posed, object, objects.vertices(object))?;
         }
         for (&object, pose) in self.of_object.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
             pose_vertices(&mut posed, objects.vertices(object), pose, objects.center(object));
         }
         check_extent(posed.positions[..posed.vertices_of_scene()].iter().copied())?;
+        for object in self.hidden().filter(|&object| (object as usize) < objects.len()) {
+            posed.collapse(objects.vertices(object), objects.center(object) + self.of(object).translate);
+        }
         Ok(posed)
     }
-}
-
-fn deform_vertices(mesh: &mut Mesh, object: u32, of: &[u32], posed: &PosedVertices) -> Result<(), MeshError> {
-    let (found, expected) = (posed.positions.len(), of.len());
-    if found != expected {
-        return Err(MeshError::Deformed { object, found, expected });
-    }
-    for (k, vertex) in of.iter().map(|&vertex| vertex as usize).enumerate() {
-        mesh.positions[vertex] = posed.positions[k];
-        mesh.normals[vertex] = posed.normals[k];
-        mesh.tangents[vertex] = posed.tangents[k];
-    }
-    Ok(())
 }
 
 fn pose_vertices(mesh: &mut Mesh, vertices: &[u32], pose: &Pose, center: Vec3) {

@@ -23,6 +23,10 @@ pub enum Command {
     Redo,
     /// Select no object and no light.
     SelectNothing,
+    /// Hide the selected objects, or show them if the active one is hidden.
+    HideSelection,
+    /// Show all hidden objects.
+    ShowAll,
     /// Frame the selection.
     FrameSelection,
     /// Frame the whole scene.
@@ -111,7 +115,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands.
-pub const BINDINGS: [Binding; 42] = [
+pub const BINDINGS: [Binding; 44] = [
     binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -125,6 +129,8 @@ pub const BINDINGS: [Binding; 42] = [
     tool(Tool::Turn, &[(NONE, Key::E)]),
     tool(Tool::Scale, &[(NONE, Key::R)]),
     binds("Edit", Command::Tool(None), "Select only", &[(NONE, Key::Q)]),
+    binds("Edit", Command::HideSelection, "Hide or show the selection", &[(NONE, Key::H)]),
+    binds("Edit", Command::ShowAll, "Show all objects", &[(SHIFT, Key::H)]),
     binds("Edit", Command::SelectNothing, "Deselect all", &[(NONE, Key::Escape)]),
     binds("View", Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),
     binds("View", Command::FrameAll, "Frame all", &[(NONE, Key::A)]),

@@ -13,6 +13,7 @@ use crate::{
     materials,
     navigation::axis_view,
     preferences::{FileUse, Preferences},
+    scene,
 };
 use egui::{Context, ViewportCommand};
 use std::path::{Path, PathBuf};
@@ -118,6 +119,10 @@ impl EditorState {
             Command::Undo => Action::Undo,
             Command::Redo => Action::Redo,
             Command::SelectNothing => Action::Select(SelectAction::Object(None)),
+            Command::HideSelection | Command::ShowAll => {
+                actions.extend(self.hide_or_show(command));
+                return;
+            }
             Command::FrameSelection => Action::Camera(CameraAction::FrameSelection),
             Command::FrameAll => Action::Camera(CameraAction::FrameAll),
             Command::ResetCamera => Action::Camera(CameraAction::Reset),
@@ -156,6 +161,20 @@ impl EditorState {
         if is_step {
             actions.push(Action::EndGesture);
         }
+    }
+
+    /// Hides or shows the selected objects, or shows all; nothing without such objects.
+    fn hide_or_show(&self, command: Command) -> Vec<Action> {
+        let document = &self.work.document;
+        let (objects, hides): (Vec<u32>, bool) = match command {
+            Command::ShowAll => (document.poses.hidden().collect(), false),
+            _ => {
+                let posable = self.pose.posable(&self.work);
+                let is_shown = posable.first().is_some_and(|active| !document.poses.of(active.object).hidden);
+                (posable.iter().map(|subject| subject.object).collect(), is_shown)
+            }
+        };
+        if objects.is_empty() { Vec::new() } else { scene::hide(document, objects, hides).into() }
     }
 
     fn scaled(&self, steps: i32) -> Preferences {

@@ -15,7 +15,7 @@ pub fn stale_reasons(document: &Document, dataset: &Dataset, scene_hash_now: Opt
         reasons.push("Material opacity was edited; shadows show the baked opacity".into());
     }
     if document.poses != dataset.scene.placed_poses() {
-        reasons.push("Objects were moved; their shadows and bounces are a preview".into());
+        reasons.push("Objects were moved, hidden or shown; their shadows and bounces are a preview".into());
     }
     if document.clip_time != dataset.scene.clip_time {
         reasons.push("The animation is at another time than the bake".into());

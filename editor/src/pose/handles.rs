@@ -7,11 +7,14 @@ use crate::{
 };
 
 impl Posing {
-    /// The selected objects, if they have handles: none for a ground, or while a light is selected.
+    /// The selected objects, if they have handles: none for a ground or a hidden object, or while a light is selected.
     pub fn movable(&self, work: &Workspace) -> Option<Movable> {
         let tool = self.tool.filter(|_| work.selected_light().is_none())?;
         let posable = self.posable(work);
         let (&active, others) = posable.split_first()?;
+        if work.document.poses.of(active.object).hidden {
+            return None;
+        }
         Some(Movable { active, others: others.to_vec(), pivot: self.pivot, tool })
     }
 

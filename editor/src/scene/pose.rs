@@ -4,7 +4,7 @@ use super::SceneContext;
 use crate::{
     actions::Action,
     document::Edit,
-    viewport::gizmo::{Movable, Pivot, Tool},
+    viewport::gizmo::{Movable, Pivot, Subject, Tool},
     widgets::{
         Edited, edit_row,
         entries::{Decades, combo_row, decades_row, point_row, turns_row},
@@ -37,7 +37,9 @@ fn pivot_row(ui: &mut Ui, pivot: &mut Pivot, selected: usize) {
 }
 
 fn reset_button(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
-    let edit = Edit::Poses(context.posable.iter().map(|subject| (subject.object, Pose::AS_BAKED)).collect());
+    let hidden = |object: u32| context.document.poses.of(object).hidden;
+    let as_in_file = |&Subject { object, .. }: &Subject| (object, Pose { hidden: hidden(object), ..Pose::AS_BAKED });
+    let edit = Edit::Poses(context.posable.iter().map(as_in_file).collect());
     let reset = ui.add_enabled(edit.changes(context.document), egui::Button::new("Reset pose"));
     if reset.on_hover_text("Restore the poses that the scene file gives all selected objects").clicked() {
         actions.extend([Action::Edit { edit, label: "Reset pose of" }, Action::EndGesture]);

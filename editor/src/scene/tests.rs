@@ -126,7 +126,7 @@ fn two_selected() -> Harness<'static, Probe> {
 #[test]
 fn numbers_move_turn_and_scale_all_selected_objects_about_the_pivot() {
     let mut panel = two_selected();
-    let lid = Pose { translate: Vec3::NEG_Y, rotate_degrees: Vec3::Z * 30.0, scale: 3.0 };
+    let lid = Pose { translate: Vec3::NEG_Y, rotate_degrees: Vec3::Z * 30.0, scale: 3.0, ..Pose::AS_BAKED };
     panel.state_mut().document.poses.set(2, lid);
     let floor = Pose { translate: Vec3::Z * 0.5, ..Pose::AS_BAKED };
     let moved = Pose { translate: lid.translate + floor.translate, ..lid };

@@ -306,7 +306,8 @@ fn rays_meet_a_deformed_object_as_if_it_had_been_built_so() {
 #[test]
 fn a_rigid_pose_comes_on_top_about_the_centre_as_baked() {
     let (bound, scene) = bound(&mut bending_bar());
-    let pose = Pose { translate: Vec3::new(1.0, 0.0, 2.0), rotate_degrees: Vec3::Y * 90.0, scale: 2.0 };
+    let pose =
+        Pose { translate: Vec3::new(1.0, 0.0, 2.0), rotate_degrees: Vec3::Y * 90.0, scale: 2.0, ..Pose::AS_BAKED };
     let mut poses = Poses::default();
     poses.set(0, pose);
     let both = bound.poses_at(0, 2.0, &poses).unwrap();
@@ -378,7 +379,12 @@ fn an_animation_plays_from_a_bake_of_another_time_and_place() {
     let mut file = bending_bar();
     let (of_file, scene) = bound(&mut file);
     let mut elsewhere = Poses::default();
-    let turned = Pose { translate: Vec3::new(1.0, 0.5, -2.0), rotate_degrees: Vec3::new(0.0, 40.0, 10.0), scale: 1.5 };
+    let turned = Pose {
+        translate: Vec3::new(1.0, 0.5, -2.0),
+        rotate_degrees: Vec3::new(0.0, 40.0, 10.0),
+        scale: 1.5,
+        ..Pose::AS_BAKED
+    };
     elsewhere.set(0, turned);
     let clip = of_file.clips()[0].name.clone();
     let mut baked = scene.clone();

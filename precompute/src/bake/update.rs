@@ -21,7 +21,7 @@ use crate::{
     meshless::meshless_bake,
     object_bases::{place_object_bases, report_of},
     observer::{Observer, Phase},
-    sources::sampler::SourceSampler,
+    sources::{areas::sample_areas, placement::AREAS_SEED, sampler::SourceSampler},
     vertices::{points::BakePoint, sampler::bake_points, sidedness::classify},
 };
 use change::Change;
@@ -41,7 +41,7 @@ use lapidary_core::{
     surfel::{Surface, Surfel},
 };
 use renewed::{OldCuts, RenewedEnvironment, RenewedSources};
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 /// The dataset of an edited scene, which has the same triangles, objects and materials. Objects may have moved, opacities may have
 /// changed. Settings of the bake stay.
@@ -215,7 +215,7 @@ impl Updating<'_> {
         let Self { before, geometry, change } = *self;
         let Some(bake) = &before.indirect else { return Ok(None) };
         let offset = self.surface().offset();
-        let sources: Vec<Source> = bake.sources.iter().map(|source| self.carried(source)).collect();
+        let sources = self.carried(&bake.sources, clock.observer)?;
         let receivers =
             geometry.points.for_sources(&geometry.scene.mesh, &geometry.intersector, &before.settings.shots);
         let report = before.report.indirect.as_ref();
@@ -249,26 +249,31 @@ impl Updating<'_> {
         Ok(Some((IndirectBake { sources, cuts: seen.cuts, environment_cuts: sky.cuts }, told)))
     }
 
-    /// A source on its triangle after the edit.
-    fn carried(&self, source: &Source) -> Source {
-        let [before, now] = [&self.before.scene.mesh, &self.geometry.scene.mesh];
-        let triangle = source.surfel.place.triangle as usize;
-        let corners = |mesh: &Mesh| mesh.corners(triangle);
-        if corners(before) == corners(now) {
-            return *source;
+    /// The meshes before and after the edit, with hidden objects where they would be.
+    fn shown_meshes(&self) -> [Cow<'_, Mesh>; 2] {
+        [&self.before.scene, &self.geometry.scene].map(Scene::shown_mesh)
+    }
+
+    /// Sources on their triangles after the edit. Those of hidden objects have no area, until it is measured when they are shown.
+    fn carried(&self, sources: &[Source], observer: &dyn Observer) -> Result<Vec<Source>, BakeError> {
+        let meshes = self.shown_meshes();
+        let mut carried: Vec<Source> = sources.iter().map(|source| carried(source, &meshes)).collect();
+        let [was_hidden, is_hidden] =
+            [&self.before.scene, &self.geometry.scene].map(|scene| move |source: &Source| is_of_hidden(scene, source));
+        let is_shown_again = |source: &Source| was_hidden(source) && !is_hidden(source);
+        if carried.iter().any(is_shown_again) {
+            let samples: Vec<(Surfel, f32)> = carried.iter().map(|source| (source.surfel, source.spacing)).collect();
+            let areas = sample_areas(&self.surface(), &samples, AREAS_SEED, observer)?;
+            let again = carried.iter_mut().zip(areas).filter(|(source, _)| is_shown_again(source));
+            again.for_each(|(source, area)| source.area = area);
         }
-        let back = before.area_vector(triangle).dot(source.surfel.normal) < 0.0;
-        let growth = now.area_vector(triangle).length() / before.area_vector(triangle).length().max(f32::MIN_POSITIVE);
-        Source {
-            surfel: now.surfel(triangle as u32, source.surfel.place.barycentric, back),
-            area: source.area * growth,
-            spacing: source.spacing * growth.sqrt(),
-        }
+        carried.iter_mut().filter(|source| is_hidden(source)).for_each(|source| source.area = 0.0);
+        Ok(carried)
     }
 
     /// The functions of objects where they are now; placed anew if an object has another size, for distances are those of all.
     fn object_bases(&self, bases: &ObjectBases, observer: &dyn Observer) -> Result<ObjectBases, BakeError> {
-        let [before, now] = [&self.before.scene.mesh, &self.geometry.scene.mesh];
+        let [before, now] = &self.shown_meshes();
         let area = |mesh: &Mesh, point: &Surfel| mesh.area_vector(point.place.triangle as usize).length();
         let is_as_large = |point: &Surfel| (area(now, point) / area(before, point) - 1.0).abs() < SAME_SIZE;
         if !bases.points().iter().all(is_as_large) {
@@ -296,6 +301,26 @@ impl Updating<'_> {
         let Geometry { scene, intersector, sides, .. } = self.geometry;
         MeshSurface::new(&scene.mesh, intersector, &sides.two_sided, &|_| Vec3::ZERO)
     }
+}
+
+/// A source on its triangle in another mesh.
+fn carried(source: &Source, [before, now]: &[Cow<Mesh>; 2]) -> Source {
+    let triangle = source.surfel.place.triangle as usize;
+    if before.corners(triangle) == now.corners(triangle) {
+        return *source;
+    }
+    let back = before.area_vector(triangle).dot(source.surfel.normal) < 0.0;
+    let growth = now.area_vector(triangle).length() / before.area_vector(triangle).length().max(f32::MIN_POSITIVE);
+    Source {
+        surfel: now.surfel(triangle as u32, source.surfel.place.barycentric, back),
+        area: source.area * growth,
+        spacing: source.spacing * growth.sqrt(),
+    }
+}
+
+/// Whether a source lies on a hidden object of a scene.
+fn is_of_hidden(scene: &Scene, source: &Source) -> bool {
+    scene.hidden.contains_key(&scene.mesh.triangle_object[source.surfel.place.triangle as usize])
 }
 
 /// The cuts of all points of a maker, timed.

@@ -10,7 +10,7 @@ const POINTS_SEED: u64 = 0x736f_7572_6365_7301;
 /// Seed of the particles that measure the spacing of sources.
 const SPACING_SEED: u64 = 0x736f_7572_6365_7303;
 /// Seed of the points that estimate areas.
-const AREAS_SEED: u64 = 0x736f_7572_6365_7302;
+pub const AREAS_SEED: u64 = 0x736f_7572_6365_7302;
 
 /// Units of progress of [`place_sources`]: placing each source, and measuring its area.
 pub fn placement_units(count: usize) -> u64 {

@@ -122,8 +122,11 @@ impl PoseRig {
     /// seconds at the finest detail.
     pub fn new(baked: &Baked, compute: &Compute, detail: ImplicitDetail) -> Self {
         let dataset = &baked.dataset;
-        let forest = SurfelForest::new(&dataset.scene.mesh, &dataset.two_sided, detail.surfels());
-        let vertices = VertexLeaves::new(forest.discs(), dataset);
+        // Objects that the bake hid have leaves too, for they may be shown again.
+        let (shown, hidden) = (dataset.scene.shown_mesh(), &dataset.scene.hidden);
+        let mut forest = SurfelForest::new(&shown, &dataset.two_sided, detail.surfels());
+        let vertices = VertexLeaves::new(forest.discs(), &shown, &dataset.two_sided);
+        forest.update(&dataset.scene.mesh.positions, &|object| hidden.contains_key(&object));
         let covered = Covered::new(dataset, &forest);
         let seen = |positions: &[Vec3]| {
             let mut sight = sight(compute, &forest, positions.len(), detail.layout());

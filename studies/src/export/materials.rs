@@ -36,7 +36,9 @@ impl MaterialExport {
     pub fn write(&self, scene: &Scene) -> Result<Exported> {
         let (original, in_file) = (self.original.as_deref(), self.scene.as_deref());
         let options = ExportOptions { surface: self.surface, original, scene: in_file };
-        Ok(write_materials(scene, &self.path, &options)?)
+        // Hidden objects belong to the file too.
+        let scene = scene.with_all_shown();
+        Ok(write_materials(&scene, &self.path, &options)?)
     }
 }
 

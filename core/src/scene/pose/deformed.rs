@@ -1,5 +1,6 @@
 //! Objects whose vertices move individually, by a skin or a morph target.
 
+use crate::mesh::{Mesh, MeshError};
 use glam::{Affine3A, Quat, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -35,6 +36,33 @@ impl DeformedObject {
     /// Creates an object from vertices. `revision` identifies their maker and its inputs: equal revisions mean equal vertices.
     pub fn new(vertices: PosedVertices, revision: [u32; 3]) -> Self {
         Self { vertices: vertices.into(), revision }
+    }
+
+    /// An object with the present vertices of a mesh.
+    pub(crate) fn of_mesh(mesh: &Mesh, vertices: &[u32]) -> Self {
+        let mut of = PosedVertices::default();
+        for vertex in vertices.iter().map(|&vertex| vertex as usize) {
+            of.positions.push(mesh.positions[vertex]);
+            of.normals.push(mesh.normals[vertex]);
+            of.tangents.push(mesh.tangents[vertex]);
+        }
+        let hash = *blake3::hash(bytemuck::cast_slice(&of.positions)).as_bytes();
+        let word = |i: usize| u32::from_le_bytes([hash[i], hash[i + 1], hash[i + 2], hash[i + 3]]);
+        Self::new(of, [word(0), word(4), word(8)])
+    }
+
+    /// Puts its vertices into a mesh.
+    pub(super) fn put(&self, mesh: &mut Mesh, object: u32, vertices: &[u32]) -> Result<(), MeshError> {
+        let PosedVertices { positions, normals, tangents } = self.vertices();
+        let (found, expected) = (positions.len(), vertices.len());
+        if found != expected {
+            return Err(MeshError::Deformed { object, found, expected });
+        }
+        for (k, vertex) in vertices.iter().map(|&vertex| vertex as usize).enumerate() {
+            (mesh.positions[vertex], mesh.normals[vertex], mesh.tangents[vertex]) =
+                (positions[k], normals[k], tangents[k]);
+        }
+        Ok(())
     }
 
     /// Its vertices.

@@ -52,8 +52,12 @@ mod tests {
     use std::f32::consts::FRAC_PI_2;
 
     const CENTER: Vec3 = Vec3::new(1.0, 2.0, 3.0);
-    const TILTED: Pose =
-        Pose { translate: Vec3::new(0.5, -1.0, 0.0), rotate_degrees: Vec3::new(30.0, 50.0, -70.0), scale: 2.0 };
+    const TILTED: Pose = Pose {
+        translate: Vec3::new(0.5, -1.0, 0.0),
+        rotate_degrees: Vec3::new(30.0, 50.0, -70.0),
+        scale: 2.0,
+        ..Pose::AS_BAKED
+    };
 
     #[test]
     fn a_quarter_turn_about_a_pivot_takes_an_object_around_it() {

@@ -3,7 +3,9 @@
 use super::*;
 use crate::{
     ground::add_ground,
+    ray::Intersector,
     scene::Scene,
+    sphere::fibonacci_directions,
     test_scenes::{cubes, dataset},
 };
 use std::path::Path;
@@ -18,7 +20,12 @@ fn posed(scene: &Scene, object: u32, pose: Pose) -> Mesh {
 fn an_object_turns_about_its_centre_in_the_order_x_y_z_and_then_moves() {
     let scene = cubes(3);
     let objects = Objects::of(&scene);
-    let pose = Pose { translate: Vec3::new(1.0, 2.0, 3.0), rotate_degrees: Vec3::new(90.0, 90.0, 0.0), scale: 2.0 };
+    let pose = Pose {
+        translate: Vec3::new(1.0, 2.0, 3.0),
+        rotate_degrees: Vec3::new(90.0, 90.0, 0.0),
+        scale: 2.0,
+        ..Pose::AS_BAKED
+    };
     let mesh = posed(&scene, 1, pose);
     let center = objects.center(1);
     for v in objects.vertices(1).iter().map(|&v| v as usize) {
@@ -35,6 +42,27 @@ fn an_object_turns_about_its_centre_in_the_order_x_y_z_and_then_moves() {
     };
     assert_eq!(others(&mesh), others(&scene.mesh));
     assert!(mesh.validate(1, 3).is_ok() && mesh.triangles == scene.mesh.triangles);
+}
+
+#[test]
+fn no_ray_meets_a_hidden_object_and_all_others_stay() {
+    let scene = cubes(3);
+    let objects = Objects::of(&scene);
+    let mesh = posed(&scene, 1, Pose { translate: Vec3::X, hidden: true, ..Pose::AS_BAKED });
+    let is_of_object = |v: usize| objects.vertices(1).contains(&(v as u32));
+    for (v, (now, before)) in mesh.positions.iter().zip(&scene.mesh.positions).enumerate() {
+        assert_eq!(*now, if is_of_object(v) { objects.center(1) + Vec3::X } else { *before });
+    }
+    assert!(mesh.normals == scene.mesh.normals && mesh.validate(1, 3).is_ok());
+    let met = |mesh: &Mesh| {
+        let rays = Intersector::new(mesh);
+        let of_object = |&d: &Vec3| {
+            let hit = rays.closest_hit(objects.center(1) - 3.0 * d, d);
+            hit.is_some_and(|hit| mesh.triangle_object[hit.triangle as usize] == 1)
+        };
+        fibonacci_directions(500).iter().filter(|d| of_object(d)).count()
+    };
+    assert!(met(&mesh) == 0 && met(&scene.mesh) > 100, "negative control: it is shown");
 }
 
 #[test]
@@ -91,10 +119,10 @@ fn a_file_poses_objects_by_name_and_says_what_is_wrong() {
     let mut scene = cubes(3);
     scene.objects[2].name = "cube 1".into();
     let text =
-        r#"{"objects": {"cube 1": {"translate": [0, 1, 0], "rotate_degrees": [0, 45, 0]}, "cube 0": {"scale": 0.5}}}"#;
+        r#"{"objects": {"cube 1": {"translate": [0, 1, 0], "rotate_degrees": [0, 45, 0]}, "cube 0": {"scale": 0.5, "hidden": true}}}"#;
     let poses = read(text, &scene).unwrap();
-    let turned = Pose { translate: Vec3::Y, rotate_degrees: Vec3::new(0.0, 45.0, 0.0), scale: 1.0 };
-    let expected = [Pose { scale: 0.5, ..Pose::AS_BAKED }, turned, turned];
+    let turned = Pose { translate: Vec3::Y, rotate_degrees: Vec3::new(0.0, 45.0, 0.0), scale: 1.0, ..Pose::AS_BAKED };
+    let expected = [Pose { scale: 0.5, hidden: true, ..Pose::AS_BAKED }, turned, turned];
     assert_eq!([0, 1, 2].map(|o| poses.of(o)), expected);
     let marked = read(&format!("\u{feff}{text}"), &scene).unwrap();
     assert_eq!([0, 1, 2].map(|o| marked.of(o)), expected, "with a byte order mark");

@@ -43,7 +43,8 @@ fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_pictu
     let as_baked = pixels(window.0.state());
     let words = "Preview: implicit visibility";
     assert!(!window.shows(words));
-    let moved = Pose { translate: Vec3::new(0.4, 0.3, 0.0), rotate_degrees: Vec3::Y * 30.0, scale: 0.7 };
+    let moved =
+        Pose { translate: Vec3::new(0.4, 0.3, 0.0), rotate_degrees: Vec3::Y * 30.0, scale: 0.7, ..Pose::AS_BAKED };
     pose(&mut window, moved);
     assert!(window.shows(words));
     window.wait("another picture", |s| pixels(s) != as_baked);

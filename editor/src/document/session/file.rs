@@ -69,6 +69,9 @@ pub struct SessionPose {
     pub translate: Vec3,
     pub rotate_degrees: Vec3,
     pub scale: f32,
+    /// Whether the object is hidden.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub hidden: bool,
 }
 
 impl Default for SessionPose {
@@ -80,13 +83,14 @@ impl Default for SessionPose {
 impl SessionPose {
     /// The pose of an object.
     pub fn new(name: String, object: u32, pose: Pose) -> Self {
-        let Pose { translate, rotate_degrees, scale } = pose;
-        Self { name, object, translate, rotate_degrees, scale }
+        let Pose { translate, rotate_degrees, scale, hidden } = pose;
+        Self { name, object, translate, rotate_degrees, scale, hidden }
     }
 
     /// The pose in a document.
     pub fn pose(&self) -> Pose {
-        Pose { translate: self.translate, rotate_degrees: self.rotate_degrees, scale: self.scale }
+        let Self { translate, rotate_degrees, scale, hidden, .. } = *self;
+        Pose { translate, rotate_degrees, scale, hidden }
     }
 }
 

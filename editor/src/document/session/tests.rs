@@ -252,7 +252,7 @@ fn a_session_says_which_parts_have_other_materials_whatever_was_baked() {
 fn poses_survive_the_disk_and_follow_their_objects() {
     let mut project = Project::new();
     let mut document = with_a_part(&mut project);
-    let pose = Pose { translate: Vec3::X, rotate_degrees: Vec3::Y * 30.0, scale: 1.5 };
+    let pose = Pose { translate: Vec3::X, rotate_degrees: Vec3::Y * 30.0, scale: 1.5, ..Pose::AS_BAKED };
     document.poses.set(1, pose);
     let loaded = project.reloaded(&document);
     let (read, warnings) = loaded.clone().into_document(Some(&project.dataset.scene));

@@ -4,11 +4,11 @@ use super::{LightsContext, LightsPanel, buried::NOTICE};
 use crate::{
     actions::{Action, LightAction},
     document::{Edit, EnvironmentSettings, SunChoice, lights::LightKind},
-    widgets::{check_box, display_color, outline},
+    widgets::{check_box, display_color, eye, outline},
 };
 use egui::{
-    Align2, Button, Key, Layout, Rect, Response, RichText, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind,
-    TextEdit, TextStyle, Ui, WidgetInfo, vec2,
+    Align2, Button, Key, Layout, Response, RichText, Role, ScrollArea, Sense, StrokeKind, TextEdit, TextStyle, Ui,
+    WidgetInfo, vec2,
 };
 use lapidary_core::lights::Light;
 
@@ -16,8 +16,9 @@ use lapidary_core::lights::Light;
 const VISIBLE_ROWS: f32 = 8.0;
 /// Side of a swatch in points.
 const SWATCH: f32 = 11.0;
-/// Width of an eye in points.
-const EYE: f32 = 17.0;
+
+/// What a click on the eye of a light does that is on, and of one that is off.
+const EYE_OF_LIGHTS: [&str; 2] = ["Switch off", "Switch on"];
 
 /// A light's name while it is typed.
 pub struct Renaming {
@@ -87,7 +88,7 @@ fn suns(ui: &mut Ui, context: &LightsContext, actions: &mut Vec<Action>) {
     let Some(brightest) = context.suns.first() else { return };
     let settings = &context.document.environment;
     ui.horizontal(|ui| {
-        if eye(ui, "the sun", settings.sun.enabled).clicked() {
+        if eye(ui, EYE_OF_LIGHTS, "the sun", settings.sun.enabled).clicked() {
             let sun = SunChoice { enabled: !settings.sun.enabled, ..settings.sun };
             ask(actions, Edit::Environment(EnvironmentSettings { sun, ..settings.clone() }), "Sun");
         }
@@ -113,7 +114,7 @@ fn light_row(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, inde
         warning_sign(ui, &format!("{} is inside an object", light.name)).on_hover_text(NOTICE);
     }
     ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
-        if eye(ui, &light.name, light.enabled).clicked() {
+        if eye(ui, EYE_OF_LIGHTS, &light.name, light.enabled).clicked() {
             let light = Box::new(Light { enabled: !light.enabled, ..light.clone() });
             ask(actions, Edit::Light { index, light }, "Switch light");
         }
@@ -141,33 +142,6 @@ fn warning_sign(ui: &mut Ui, what: &str) -> Response {
     let font = TextStyle::Heading.resolve(ui.style());
     ui.painter().text(rect.center(), Align2::CENTER_CENTER, "!", font, ui.visuals().warn_fg_color);
     sign
-}
-
-/// An open eye, or a closed one for a light that is off.
-fn eye(ui: &mut Ui, name: &str, enabled: bool) -> Response {
-    let (rect, eye) = ui.allocate_exact_size(vec2(EYE, ui.spacing().interact_size.y), Sense::click());
-    let verb = if enabled { "Switch off" } else { "Switch on" };
-    eye.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), format!("{verb} {name}")));
-    paint_eye(ui, rect, enabled, eye.hovered());
-    eye.on_hover_text(verb)
-}
-
-/// Paints the eye, which the toolkit's font lacks.
-fn paint_eye(ui: &Ui, rect: Rect, open: bool, hovered: bool) {
-    let visuals = ui.visuals();
-    let color = if hovered || open { visuals.strong_text_color() } else { visuals.weak_text_color() };
-    let lid = |up: f32| {
-        let at = |i: u8| {
-            let x = f32::from(i) / 8.0 - 1.0;
-            rect.center() + 0.42 * EYE * vec2(x, -0.6 * up * (1.0 - x * x))
-        };
-        Shape::line((0..=16).map(at).collect(), Stroke::new(1.2, color))
-    };
-    ui.painter().add(lid(-1.0));
-    if open {
-        ui.painter().add(lid(1.0));
-        ui.painter().circle_filled(rect.center(), 2.2, color);
-    }
 }
 
 fn swatch(ui: &mut Ui, light: &Light) {

@@ -82,7 +82,8 @@ mod tests {
     use super::*;
 
     const CENTER: Vec3 = Vec3::new(0.5, 2.0, -1.0);
-    const TILTED: Pose = Pose { translate: Vec3::X, rotate_degrees: Vec3::new(90.0, 0.0, 0.0), scale: 2.0 };
+    const TILTED: Pose =
+        Pose { translate: Vec3::X, rotate_degrees: Vec3::new(90.0, 0.0, 0.0), scale: 2.0, ..Pose::AS_BAKED };
 
     /// A pose about its own center after a change.
     fn changed(before: Pose, change: Change) -> Pose {

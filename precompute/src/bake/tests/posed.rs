@@ -27,7 +27,10 @@ fn of_two() -> Scene {
 
 fn raised(x: f32) -> Poses {
     let mut poses = Poses::default();
-    poses.set(1, Pose { translate: Vec3::new(x, 0.3, 0.0), rotate_degrees: Vec3::Y * 30.0, scale: 1.2 });
+    poses.set(
+        1,
+        Pose { translate: Vec3::new(x, 0.3, 0.0), rotate_degrees: Vec3::Y * 30.0, scale: 1.2, ..Pose::AS_BAKED },
+    );
     poses
 }
 
@@ -48,6 +51,34 @@ fn a_posed_scene_is_baked_as_one_whose_file_is_so_and_keeps_its_file_and_its_pos
     assert_eq!((read.scene.placed_poses(), &read.scene.placed), (raised(0.5), &posed.scene.placed));
     assert!(read.scene.poses_since_baked(&raised(0.5)).is_empty());
     assert_eq!(expected.scene.placed, []);
+}
+
+#[test]
+fn a_bake_that_hides_an_object_keeps_it_in_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let baked = |poses: Poses, name: &str| {
+        bake(of_two(), &BakeJob { poses, ..job(folder.path(), name) }, &Silent).unwrap()
+    };
+    let mut hidden = raised(0.5);
+    hidden.set(1, Pose { hidden: true, ..hidden.of(1) });
+    let (whole, gone) = (baked(raised(0.5), "whole.cuts"), baked(hidden.clone(), "gone.cuts"));
+    let mut scene = whole.scene.clone();
+    scene.place_again(&hidden).unwrap();
+    let updated = update::update(&whole, scene, &Silent).unwrap();
+    assert!(gone.cuts.has_same_stored(&updated.cuts) && gone.scene.mesh == updated.scene.mesh);
+    assert!(!gone.cuts.has_same_stored(&whole.cuts), "negative control");
+    let read = Dataset::read(&folder.path().join("gone.cuts"), image::decode).unwrap();
+    assert!(read.scene.placed_poses() == hidden && read.scene.hidden == gone.scene.hidden);
+    assert_eq!(*read.scene.shown_mesh(), whole.scene.mesh);
+    assert!(contents(&whole) != contents(&gone) && contents(&read) == contents(&gone));
+
+    // The positions of another number of vertices.
+    let mut damaged = read;
+    let path = folder.path().join("damaged.cuts");
+    damaged.scene.hidden.clear();
+    damaged.write(&path).unwrap();
+    let refused = Dataset::read(&path, image::decode).unwrap_err().to_string();
+    assert!(refused.contains("hidden_positions") && refused.contains("damaged.cuts"), "{refused}");
 }
 
 #[test]

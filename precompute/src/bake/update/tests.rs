@@ -51,8 +51,12 @@ fn baked_with(mode: BakeParts, exhaustive: bool, criterion: CutCriterion) -> Dat
 
 /// The block moved away from its place in the file.
 fn placed(dataset: &Dataset, by: Vec3) -> Scene {
+    with_block(dataset, Pose { translate: by, ..Pose::AS_BAKED })
+}
+
+fn with_block(dataset: &Dataset, pose: Pose) -> Scene {
     let mut poses = Poses::default();
-    poses.set(1, Pose { translate: by, ..Pose::AS_BAKED });
+    poses.set(1, pose);
     let mut scene = dataset.scene.clone();
     scene.place_again(&poses).unwrap();
     scene
@@ -62,8 +66,11 @@ const ASIDE: Vec3 = Vec3::new(-0.5, 0.0, -0.25);
 
 /// Number of vertices with a node that has another value than its rays, and mean lengths of the cuts and of fresh ones.
 fn against_rays(dataset: &Dataset) -> (usize, f64, f64) {
-    let rays = Intersector::of_scene(&dataset.scene);
-    let (sampler, height) = (VertexSampler::new(dataset, &rays), dataset.tree.height());
+    against_rays_on(dataset, &Intersector::of_scene(&dataset.scene))
+}
+
+fn against_rays_on(dataset: &Dataset, rays: &Intersector) -> (usize, f64, f64) {
+    let (sampler, height) = (VertexSampler::new(dataset, rays), dataset.tree.height());
     let mut selector = lapidary_core::cut::CutSelector::new(height, dataset.settings.criterion);
     let (mut wrong, mut length, mut fresh) = (0, 0, 0);
     for vertex in 0..dataset.vertex_valid.len() as u32 {
@@ -170,4 +177,28 @@ fn a_wall_that_lets_light_through_is_baked_anew_without_the_rest() {
     assert_eq!(against_rays(&after).0, 0);
     assert!(after.two_sided == sides && sides != before.two_sided, "glass is seen from within as well");
     assert!(!after.cuts.has_same_stored(&before.cuts) && 2 * after.report.rays_traced < before.report.rays_traced);
+}
+
+#[test]
+fn an_object_is_hidden_and_shown_again_without_a_whole_bake() {
+    let before = baked(BakeParts::CUTS.with(BakeParts::RADIOSITY), true);
+    let gone = update(&before, with_block(&before, Pose { hidden: true, ..Pose::AS_BAKED }), &Silent).unwrap();
+    let mesh = &before.scene.mesh;
+    let of_room = mesh.triangles.iter().zip(&mesh.triangle_object).filter(|(_, object)| **object == 0);
+    let alone = Intersector::new(&Mesh { triangles: of_room.map(|(corners, _)| *corners).collect(), ..mesh.clone() });
+    assert_eq!(against_rays_on(&gone, &alone).0, 0);
+    assert!(against_rays_on(&before, &alone).0 > 100, "negative control: the block is there");
+    let sources = |dataset: &Dataset| dataset.indirect.as_ref().unwrap().sources.clone();
+    let of_block = |source: &Source| gone.scene.mesh.triangle_object[source.surfel.place.triangle as usize] == 1;
+    let has_area = |dataset: &Dataset| sources(dataset).iter().filter(|s| of_block(s) && s.area > 0.0).count();
+    assert!(has_area(&before) > 10 && has_area(&gone) == 0, "a hidden object sends no light");
+    assert!(verify(&gone, 200).passed, "{}", verify(&gone, 200).text());
+    assert_eq!(gone.object_bases.as_ref().unwrap().points(), before.object_bases.as_ref().unwrap().points());
+
+    let back = update(&gone, placed(&gone, Vec3::ZERO), &Silent).unwrap();
+    assert!(back.scene.mesh == before.scene.mesh && against_rays(&back).0 == 0 && back.scene.hidden.is_empty());
+    assert_eq!(has_area(&back), has_area(&before));
+    let area = |dataset: &Dataset| sources(dataset).iter().filter(|s| of_block(s)).map(|s| s.area).sum::<f32>();
+    assert!((area(&back) / area(&before) - 1.0).abs() < 0.05, "{} {}", area(&back), area(&before));
+    assert!(verify(&back, 200).passed);
 }

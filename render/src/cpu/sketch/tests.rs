@@ -342,7 +342,7 @@ fn posed_objects_are_looked_up_where_they_were_and_where_they_are() {
     let baked = Baked::from(dataset);
     let at = |x: f32, degrees: f32| {
         let mut poses = Poses::default();
-        poses.set(1, Pose { translate: Vec3::X * x, rotate_degrees: Vec3::Z * degrees, scale: 1.0 });
+        poses.set(1, Pose { translate: Vec3::X * x, rotate_degrees: Vec3::Z * degrees, scale: 1.0, ..Pose::AS_BAKED });
         baked.posed(&poses).unwrap()
     };
     let relit = |backend: &mut CpuBackend, posed: &Baked| {

@@ -31,7 +31,12 @@ fn posed_objects_look_the_same_on_both_renderers_and_as_baked_when_they_are_back
         components: Components { environment: true, direct: true, indirect: false },
         ..Look::under_environment(&blocked(white(), 12).scene, from_above(48), sky())
     };
-    let pose = Pose { translate: Vec3::new(0.6, -0.3, 0.3), rotate_degrees: Vec3::new(0.0, 40.0, 15.0), scale: 1.1 };
+    let pose = Pose {
+        translate: Vec3::new(0.6, -0.3, 0.3),
+        rotate_degrees: Vec3::new(0.0, 40.0, 15.0),
+        scale: 1.1,
+        ..Pose::AS_BAKED
+    };
     let is_posed = Look { poses: posed(pose), ..as_baked.clone() };
     let unlit = Look { components: Components { environment: false, ..as_baked.components }, ..is_posed.clone() };
     let looks = [as_baked.clone(), is_posed, unlit, as_baked];

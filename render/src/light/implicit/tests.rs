@@ -66,7 +66,8 @@ fn picture(dataset: &Dataset, look: impl FnOnce(&mut Look)) -> Image {
 #[test]
 fn a_preview_is_close_to_a_bake_of_the_posed_scene_and_the_bake_as_it_was_is_not() {
     let as_baked = blocked(white(), 24);
-    let turned = Pose { translate: Vec3::new(0.7, -0.2, 0.4), rotate_degrees: Vec3::Y * 30.0, scale: 1.2 };
+    let turned =
+        Pose { translate: Vec3::new(0.7, -0.2, 0.4), rotate_degrees: Vec3::Y * 30.0, scale: 1.2, ..Pose::AS_BAKED };
     let away = Pose { translate: Vec3::Y * 1000.0, ..Pose::AS_BAKED };
     for pose in [turned, away] {
         let poses = posed(pose);
@@ -165,7 +166,12 @@ fn what_moved_is_lit_by_its_own_bins_glossy_too() {
     for parameters in [Parameters::from(white()), glossy(0.4).into()] {
         let mut as_baked = blocked(parameters.clone(), 8);
         as_baked.scene.materials[0].model = BrdfModel::Ggx;
-        let poses = posed(Pose { translate: Vec3::new(0.2, 0.3, 0.0), rotate_degrees: Vec3::Z * 70.0, scale: 1.5 });
+        let poses = posed(Pose {
+            translate: Vec3::new(0.2, 0.3, 0.0),
+            rotate_degrees: Vec3::Z * 70.0,
+            scale: 1.5,
+            ..Pose::AS_BAKED
+        });
         let view = |look: &mut Look| look.view = from_the_side(48);
         let truth = picture(&baked_so(&as_baked, &poses, parameters), view);
         let preview = picture(&as_baked, |look| {

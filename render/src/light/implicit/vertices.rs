@@ -1,8 +1,8 @@
 //! The leaves beside each vertex, on both of its sides.
 
 use lapidary_core::{
-    dataset::Dataset,
     implicit::{Receiver, VertexWeights, disc_forest::DiscForest},
+    mesh::Mesh,
     transport::Coefficient,
 };
 use std::ops::Range;
@@ -15,11 +15,10 @@ pub struct VertexLeaves {
 }
 
 impl VertexLeaves {
-    /// Weights for the vertices of a dataset on its forest as baked.
-    pub fn new(forest: &DiscForest, dataset: &Dataset) -> Self {
-        let mesh = &dataset.scene.mesh;
+    /// Weights for the vertices of a mesh on the forest of its surfels. `two_sided` has an entry per triangle.
+    pub fn new(forest: &DiscForest, mesh: &Mesh, two_sided: &[bool]) -> Self {
         let mut is_two_sided = vec![false; mesh.positions.len()];
-        for (corners, is_sheet) in mesh.triangles.iter().zip(&dataset.two_sided) {
+        for (corners, is_sheet) in mesh.triangles.iter().zip(two_sided) {
             corners.iter().for_each(|&vertex| is_two_sided[vertex as usize] |= is_sheet);
         }
         let owners = mesh.owners();

@@ -33,11 +33,14 @@ pub struct Part {
     pub triangles: Vec<usize>,
 }
 
-/// All triangles of a dataset, twice for those that `shine` on both sides.
+/// All triangles of a dataset but those of hidden objects, twice for those that `shine` on both sides.
 pub fn parts(dataset: &Dataset, shines: impl Fn(u32) -> bool) -> Vec<Part> {
     let mut parts: BTreeMap<(u32, bool), Vec<usize>> = BTreeMap::new();
     for (triangle, &material) in dataset.scene.mesh.triangle_material.iter().enumerate() {
-        parts.entry((material, dataset.two_sided[triangle])).or_default().push(triangle);
+        let [a, b, c] = dataset.scene.mesh.corners(triangle);
+        if a != b || b != c {
+            parts.entry((material, dataset.two_sided[triangle])).or_default().push(triangle);
+        }
     }
     let faces = |material, two_sided| match two_sided && shines(material) {
         true => &[Face::Front, Face::Back][..],
