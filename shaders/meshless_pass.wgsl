@@ -1,6 +1,6 @@
-// Bounced light of the meshless basis: each pixel looks up the functions that reach it in a hash grid, and normalizes their sum
-// level by level. This inverts the splatting of the meshless paper (4.1), without blending. Twin of `Basis::evaluate` and
-// core/src/meshless/grid.rs; the views are twins of `Painter::basis_value` in render/src/shade/painter.rs.
+// Bounced light of meshless functions: each pixel looks up the functions that reach it in a hash grid, and normalizes their sum
+// level by level. This inverts the splatting of the meshless paper (4.1), without blending. Twin of `MeshlessLight::at` and
+// core/src/meshless/{functions,grid}.rs; the views are twins of `Painter::basis_value` in render/src/shade/painter.rs.
 
 struct BasisLevel {
     cells_per_metre: f32,
@@ -19,9 +19,11 @@ struct BasisUniforms {
     // Level and function shown by the views.
     shown_level: u32,
     shown_function: u32,
+    // Whether the functions are those of objects: each object finds its own alone, and levels hold absolute values.
+    of_objects: u32,
 }
 
-// A cell of a level.
+// A cell of a level, or of a level of an object: its key.
 struct Cell {
     place: vec3<i32>,
     level: u32,
@@ -58,6 +60,11 @@ const BASIS_GREY: f32 = 0.4;
 @group(2) @binding(2) var<storage, read> entries: array<u32>;
 @group(2) @binding(3) var<storage, read> functions: array<BasisFunction>;
 @group(2) @binding(4) var<storage, read> coefficients: array<Coefficient>;
+// Where each vertex was as baked, and its object, row by row; a single texel for functions that are not of objects.
+@group(2) @binding(5) var places: texture_2d<f32>;
+
+// First key of the grid for the pixel: that of level 0 of its object.
+var<private> first_key: u32 = 0u;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
@@ -65,32 +72,76 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     if !begun.has_surface {
         return without_surface(begun, vec3(0.0));
     }
-    let value = value_at(begun_point(begun), (begun.g.w & FLAG_BACK) != 0u);
+    let is_behind = (begun.g.w & FLAG_BACK) != 0u;
+    let value = value_at(begun_point(begun), bitcast<vec2<f32>>(begun.g.yz), is_behind);
     return with_sample(begun, vec4(value, 0.0), NO_WORK);
 }
 
-fn value_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
+fn value_at(point: SurfacePoint, bc: vec2<f32>, from_behind: bool) -> vec3<f32> {
+    let among = among_functions(point, bc, from_behind);
     if frame.view_mode == VIEW_SHADED {
-        return with_posed_bounce(point, from_behind, albedo_of(point.brdf) * irradiance_at(point, from_behind) * FRAC_1_PI);
+        return with_posed_bounce(point, from_behind, albedo_of(point.brdf) * irradiance_at(among, from_behind) * FRAC_1_PI);
     }
-    return basis_value(point);
+    return basis_value(among);
+}
+
+// The point where its functions are: those of objects lie on the scene as baked. Twin of `MeshlessLight::place`.
+fn among_functions(point: SurfacePoint, bc: vec2<f32>, from_behind: bool) -> SurfacePoint {
+    if basis.of_objects == 0u {
+        return point;
+    }
+    let a = place_as_baked(point.vertices.x);
+    let b = place_as_baked(point.vertices.y).xyz;
+    let c = place_as_baked(point.vertices.z).xyz;
+    first_key = u32(a.w) * basis.level_count;
+    var among = point;
+    among.position = a.xyz * (1.0 - bc.x - bc.y) + b * bc.x + c * bc.y;
+    among.face_normal = normalize_or(cross(b - a.xyz, c - a.xyz), vec3(0.0)) * select(1.0, -1.0, from_behind);
+    return among;
+}
+
+fn place_as_baked(vertex: u32) -> vec4<f32> {
+    let width = textureDimensions(places).x;
+    return textureLoad(places, vec2(vertex % width, vertex / width), 0);
 }
 
 // Irradiance on the surface after bump and normal map. Twin of `MeshlessLight::at`.
 fn irradiance_at(point: SurfacePoint, from_behind: bool) -> vec3<f32> {
     // Without functions there is only vertex light.
-    if basis.level_count == 0u || (from_behind && !reaches(basis.level_count - 1u, point)) {
+    if basis.level_count == 0u {
+        return vec3(0.0);
+    }
+    if basis.of_objects != 0u {
+        return max(point.world_from_local[2] * finest_vector(point), vec3(0.0));
+    }
+    if from_behind && !reaches(basis.level_count - 1u, point) {
         return vec3(0.0);
     }
     var vector = mat3x3<f32>();
     for (var level = 0u; level < basis.level_count; level++) {
-        vector += level_vector(level, point);
+        vector += level_vector(level, point).vector;
     }
     return max(point.world_from_local[2] * vector, vec3(0.0));
 }
 
-// Twin of `Basis::evaluate_level`.
-fn level_vector(level: u32, point: SurfacePoint) -> mat3x3<f32> {
+// The finest level that reaches the point.
+fn finest_vector(point: SurfacePoint) -> mat3x3<f32> {
+    for (var level = basis.level_count; level > 0u; level--) {
+        let of_level = level_vector(level - 1u, point);
+        if of_level.is_reached {
+            return of_level.vector;
+        }
+    }
+    return mat3x3<f32>();
+}
+
+struct LevelVector {
+    vector: mat3x3<f32>,
+    is_reached: bool,
+}
+
+// Twin of `Functions::evaluate_in`.
+fn level_vector(level: u32, point: SurfacePoint) -> LevelVector {
     let range = entries_around(level, point.position);
     var sum = mat3x3<f32>();
     var weights = 0.0;
@@ -101,7 +152,7 @@ fn level_vector(level: u32, point: SurfacePoint) -> mat3x3<f32> {
             weights += weight;
         }
     }
-    return sum * normalisation(weights);
+    return LevelVector(sum * normalisation(weights), weights > 0.0);
 }
 
 // One over the weights, or 0 for no weights.
@@ -122,18 +173,19 @@ fn reaches(level: u32, point: SurfacePoint) -> bool {
 // Range of entries of the cell at a position: the first, and one past the last.
 fn entries_around(level: u32, position: vec3<f32>) -> vec2<u32> {
     let place = vec3<i32>(floor(position * basis.levels[level].cells_per_metre));
-    var slot = cell_hash(place, level) & basis.last_slot;
+    let key = first_key + level;
+    var slot = cell_hash(place, key) & basis.last_slot;
     var cell = slots[slot];
-    while cell.count != 0u && (any(cell.place != place) || cell.level != level) {
+    while cell.count != 0u && (any(cell.place != place) || cell.level != key) {
         slot = (slot + 1u) & basis.last_slot;
         cell = slots[slot];
     }
     return vec2(cell.first, cell.first + cell.count);
 }
 
-fn cell_hash(place: vec3<i32>, level: u32) -> u32 {
+fn cell_hash(place: vec3<i32>, key: u32) -> u32 {
     let p = bitcast<vec3<u32>>(place) * vec3(73856093u, 19349663u, 83492791u);
-    let mixed = p.x ^ p.y ^ p.z ^ (level * 2654435761u);
+    let mixed = p.x ^ p.y ^ p.z ^ (key * 2654435761u);
     return mixed ^ (mixed >> 15u);
 }
 
@@ -173,7 +225,7 @@ fn level_part(point: SurfacePoint) -> vec3<f32> {
     if basis.shown_level >= basis.level_count {
         return vec3(0.0);
     }
-    let received = point.world_from_local[2] * level_vector(basis.shown_level, point);
+    let received = point.world_from_local[2] * level_vector(basis.shown_level, point).vector;
     let reflected = luminance(received) * FRAC_1_PI;
     return max(vec3(reflected, 0.0, -reflected), vec3(0.0));
 }

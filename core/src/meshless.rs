@@ -4,7 +4,8 @@
 //! The method is from Lehtinen et al., *A Meshless Hierarchical Representation for Light Transport* (SIGGRAPH 2008),
 //! cited here as "the meshless paper". Its input is only points with normals, of any kind of surface.
 //!
-//! * [`Basis`]: the functions, range queries, normalized values (meshless paper, 2.1 and 2.2)
+//! * [`Functions`]: functions, range queries, normalized values (meshless paper, 2.1 and 2.2)
+//! * [`Basis`]: those of a scene, of which some send light
 //! * [`FunctionGrid`]: the functions that reach a point, in arrays that shaders can read
 //! * [`Projection`]: coefficients of a function sampled at the points (2.1)
 //! * [`SenderSamples`]: direct light on the senders, from the points of the next level
@@ -18,6 +19,7 @@
 mod basis;
 mod flatten;
 mod function_tree;
+mod functions;
 mod grid;
 mod object_bases;
 mod projection;
@@ -29,6 +31,7 @@ mod transport;
 pub use basis::{Basis, BasisError, MOST_LEVELS};
 pub use flatten::Flattening;
 pub use function_tree::FunctionTree;
+pub use functions::{FunctionPlace, Functions};
 pub use grid::{Cell, FunctionGrid};
 pub use object_bases::{Carrier, ObjectBases, Owner, RayEnd};
 pub use projection::Projection;

@@ -1,18 +1,13 @@
 //! Hierarchical basis functions around scattered surface points (meshless paper, 2.1 and 2.2).
 
-use super::grid::FunctionGrid;
-use crate::{bounds::is_within_reach, mesh::is_unit, sparse::SparseRows, surfel::Surfel, transport::Coefficient};
+use super::{FunctionPlace, Functions};
+use crate::{sparse::SparseRows, surfel::Surfel, transport::Coefficient};
 use glam::Vec3;
-use std::{
-    fmt,
-    ops::{Range, RangeInclusive},
-};
+use std::{fmt, ops::Range};
 use thiserror::Error;
 
 /// Largest number of levels: the finest would have points too close for 32-bit floats.
 pub const MOST_LEVELS: usize = 16;
-/// Smallest and largest radius of support in meters: their squares, and squared distances, fit 32-bit floats.
-const RADII: RangeInclusive<f32> = 1e-15..=4e9;
 
 /// Why points do not form a basis.
 #[derive(Debug, Error, PartialEq)]
@@ -50,22 +45,16 @@ pub enum BasisError {
 /// The functions of all levels, coarsest first. A function is centered at a point and has support within a radius around it.
 #[derive(Clone)]
 pub struct Basis {
-    points: Vec<Surfel>,
-    /// First function of each level, and the end of the last level.
-    offsets: Vec<u32>,
-    /// Radius of support in meters, one per level.
-    radii: Vec<f32>,
+    functions: Functions,
     sender_levels: usize,
-    grid: FunctionGrid,
 }
 
 impl fmt::Debug for Basis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { offsets, radii, sender_levels, .. } = self;
         f.debug_struct("Basis")
-            .field("offsets", offsets)
-            .field("radii", radii)
-            .field("sender_levels", sender_levels)
+            .field("offsets", &self.offsets())
+            .field("radii", &self.radii())
+            .field("sender_levels", &self.sender_levels)
             .finish_non_exhaustive()
     }
 }
@@ -94,52 +83,48 @@ impl Basis {
         radii: Vec<f32>,
         sender_levels: usize,
     ) -> Result<Self, BasisError> {
-        let whole = offsets.first() == Some(&0)
-            && offsets.last().is_some_and(|&end| end as usize == points.len())
-            && offsets.is_sorted()
-            && offsets.len() == radii.len() + 1
-            && radii.len() <= MOST_LEVELS;
-        if !whole {
-            return Err(BasisError::Levels { points: points.len() });
+        let levels = radii.len();
+        let keys = |offsets: &[u32]| (0..levels).map(|level| (level, range(offsets, level))).collect();
+        let functions = Functions::new(points, offsets, radii, keys)?;
+        match (1..=levels).contains(&sender_levels) {
+            true => Ok(Self { functions, sender_levels }),
+            false => Err(BasisError::SenderLevels { sender_levels, levels }),
         }
-        if !(1..=radii.len()).contains(&sender_levels) {
-            return Err(BasisError::SenderLevels { sender_levels, levels: radii.len() });
-        }
-        check_points(&points)?;
-        check_radii(&radii)?;
-        let levels: Vec<Range<usize>> = (0..radii.len()).map(|level| range(&offsets, level)).collect();
-        let grid = FunctionGrid::new(&points, &levels, &radii);
-        Ok(Self { points, offsets, radii, sender_levels, grid })
+    }
+
+    /// The functions, with range queries.
+    pub fn functions(&self) -> &Functions {
+        &self.functions
     }
 
     /// Number of functions of all levels.
     pub fn len(&self) -> usize {
-        self.points.len()
+        self.points().len()
     }
 
     /// Whether there are no functions.
     pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
+        self.points().is_empty()
     }
 
     /// Number of levels.
     pub fn levels(&self) -> usize {
-        self.radii.len()
+        self.functions.levels()
     }
 
     /// The functions of a level.
     pub fn level(&self, level: usize) -> Range<usize> {
-        range(&self.offsets, level)
+        self.functions.level(level)
     }
 
     /// First function of each level, and the end of the last.
     pub fn offsets(&self) -> &[u32] {
-        &self.offsets
+        self.functions.offsets()
     }
 
     /// The functions of the first `levels` levels.
     pub fn first_levels(&self, levels: usize) -> Range<usize> {
-        0..self.offsets[levels] as usize
+        0..self.offsets()[levels] as usize
     }
 
     /// Number of sender levels, which are the first.
@@ -154,52 +139,28 @@ impl Basis {
 
     /// The points of the senders.
     pub fn sender_points(&self) -> &[Surfel] {
-        &self.points[self.senders()]
+        &self.points()[self.senders()]
     }
 
     /// The points of all functions.
     pub fn points(&self) -> &[Surfel] {
-        &self.points
+        self.functions.points()
     }
 
     /// Radius of support of each level in meters.
     pub fn radii(&self) -> &[f32] {
-        &self.radii
+        self.functions.radii()
     }
 
     /// Bytes of the points as stored.
     pub fn bytes(&self) -> u64 {
-        (size_of::<Surfel>() * self.points.len()) as u64
+        (size_of::<Surfel>() * self.len()) as u64
     }
 
-    /// The grid for range queries.
-    pub fn grid(&self) -> &FunctionGrid {
-        &self.grid
-    }
-
-    /// Calls `visit` for all functions of a level with nonzero weight at a surface point, with that weight before normalization.
-    #[inline]
-    pub fn for_each_weight(&self, level: usize, position: Vec3, normal: Vec3, visit: impl FnMut(u32, f32)) {
-        let slot = self.grid.slot_at(level, position);
-        self.grid.for_each_weight(slot, self.radii[level], (position, normal), visit);
-    }
-
-    /// Whether any function of a level reaches a surface point.
-    pub fn reaches(&self, level: usize, position: Vec3, normal: Vec3) -> bool {
-        let mut is_reached = false;
-        self.for_each_weight(level, position, normal, |_, _| is_reached = true);
-        is_reached
-    }
-
-    /// Appends all functions of a level that are nonzero at a surface point, with their values there (meshless paper,
-    /// Eq. 2). The values sum to one, unless no function reaches the point.
+    /// Appends all functions of a level that are nonzero at a surface point; see [`Functions::values`].
     #[inline]
     pub fn values(&self, level: usize, position: Vec3, normal: Vec3, out: &mut Vec<(u32, f32)>) {
-        let first = out.len();
-        self.for_each_weight(level, position, normal, |function, weight| out.push((function, weight)));
-        let sum: f32 = out[first..].iter().map(|w| w.1).sum();
-        let scale = 1.0 / sum.max(f32::MIN_POSITIVE);
-        out[first..].iter_mut().for_each(|w| w.1 *= scale);
+        self.functions.values(level, &FunctionPlace::new(position, normal), out);
     }
 
     /// The function with these coefficients at a surface point, summed over the first `levels` levels (meshless paper,
@@ -212,18 +173,8 @@ impl Basis {
     /// The part of one level in [`Self::evaluate`].
     #[inline]
     pub fn evaluate_level<T: Coefficient>(&self, level: usize, position: Vec3, normal: Vec3, coefficients: &[T]) -> T {
-        self.evaluate_in(self.grid.slot_at(level, position), level, (position, normal), coefficients)
-    }
-
-    /// [`Self::evaluate_level`] at a position with a known slot of the grid, and a unit normal.
-    #[inline]
-    pub fn evaluate_in<T: Coefficient>(&self, slot: usize, level: usize, point: (Vec3, Vec3), coefficients: &[T]) -> T {
-        let (mut sum, mut weights) = (T::ZERO, 0.0);
-        self.grid.for_each_weight(slot, self.radii[level], point, |function, weight| {
-            sum = sum + coefficients[function as usize] * weight;
-            weights += weight;
-        });
-        sum * (1.0 / weights.max(f32::MIN_POSITIVE))
+        let at = FunctionPlace::new(position, normal);
+        self.functions.evaluate_in(self.functions.slot_at(level, &at), level, &at, coefficients).unwrap_or(T::ZERO)
     }
 
     /// Values of the functions of some levels at the points of `functions`, one row per point. A point's parents are
@@ -231,7 +182,7 @@ impl Basis {
     pub fn values_at(&self, functions: Range<usize>, levels: Range<usize>) -> SparseRows {
         let first = functions.start;
         SparseRows::build(functions.len(), |row, out| {
-            let p = &self.points[first + row];
+            let p = &self.points()[first + row];
             levels.clone().for_each(|level| self.values(level, p.position, p.normal, out));
         })
     }
@@ -260,20 +211,6 @@ impl Basis {
             let shifted = |&(point, value): &(u32, f32)| (point + others.start as u32, value);
             out.extend(by_function.row(range.start + row).iter().map(shifted));
         })
-    }
-}
-
-/// Checks that points are on a scene.
-pub(super) fn check_points(points: &[Surfel]) -> Result<(), BasisError> {
-    let usable = |p: &Surfel| is_within_reach(p.position) && is_unit(p.normal);
-    points.iter().position(|p| !usable(p)).map_or(Ok(()), |point| Err(BasisError::Point { point }))
-}
-
-/// Checks that squares of radii are in range.
-pub(super) fn check_radii(radii: &[f32]) -> Result<(), BasisError> {
-    match radii.iter().position(|r| !RADII.contains(r)) {
-        Some(level) => Err(BasisError::Radius { level, radius: radii[level] }),
-        None => Ok(()),
     }
 }
 

@@ -241,7 +241,11 @@ fn kernel_x8<L: Lanes>(t: L) -> L {
 mod tests {
     use super::*;
     use crate::surfel::distance::kernel;
-    use crate::{meshless::Basis, sphere::uniform_direction, test_scenes::sphere_points};
+    use crate::{
+        meshless::{Basis, FunctionPlace},
+        sphere::uniform_direction,
+        test_scenes::sphere_points,
+    };
 
     fn basis(points: Vec<Surfel>, radius: f32) -> Basis {
         let end = points.len() as u32;
@@ -250,7 +254,8 @@ mod tests {
 
     fn weights(basis: &Basis, position: Vec3, normal: Vec3) -> Vec<(u32, f32)> {
         let mut found = Vec::new();
-        basis.for_each_weight(0, position, normal, |function, weight| found.push((function, weight)));
+        let at = FunctionPlace::new(position, normal);
+        basis.functions().for_each_weight(0, &at, |function, weight| found.push((function, weight)));
         found
     }
 
@@ -284,7 +289,7 @@ mod tests {
     fn every_cell_is_found_and_lists_what_overlaps_it_once() {
         let points = [sphere_points(40, 1.0), sphere_points(160, 1.0)].concat();
         let basis = Basis::from_parts(points, vec![0, 40, 200], vec![0.8, 0.4], 1).unwrap();
-        let grid = basis.grid();
+        let grid = basis.functions().grid();
         let cells: Vec<&Cell> = grid.slots().iter().filter(|cell| cell.count > 0).collect();
         assert!(grid.slots().len().is_power_of_two() && 2 * cells.len() <= grid.slots().len());
         for cell in &cells {

@@ -3,7 +3,7 @@
 //! Functions lie on the surface as baked. A point of a moved, scaled or deformed object is found by its place on the mesh, so no
 //! pose is needed to evaluate them. All levels hold absolute values: each is a flat solution, finer than the one before.
 
-use super::grid::FunctionGrid;
+use super::{FunctionPlace, Functions};
 use crate::{
     mesh::Mesh,
     meshless::BasisError,
@@ -69,25 +69,21 @@ impl Owner {
 /// The functions of all objects, level by level, and by object within a level.
 #[derive(Clone)]
 pub struct ObjectBases {
-    points: Vec<Surfel>,
+    /// Each object and level has a key of its own.
+    functions: Functions,
     owners: Vec<Owner>,
-    /// First function of each level, and the end of the last.
-    offsets: Vec<u32>,
-    /// Radius of support of each level in meters.
-    radii: Vec<f32>,
     sender_level: usize,
-    /// Number of objects with grids; those beyond have no functions.
+    /// Number of objects with functions; those beyond have none.
     objects: u32,
-    grid: FunctionGrid,
     /// For each function: the functions of the level before in the same object that reach its point, with their values there.
     parents: SparseRows,
 }
 
 impl fmt::Debug for ObjectBases {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { offsets, radii, sender_level, .. } = self;
         let mut all = f.debug_struct("ObjectBases");
-        all.field("offsets", offsets).field("radii", radii).field("sender_level", sender_level).finish_non_exhaustive()
+        all.field("offsets", &self.offsets()).field("radii", &self.radii());
+        all.field("sender_level", &self.sender_level).finish_non_exhaustive()
     }
 }
 
@@ -115,66 +111,66 @@ impl ObjectBases {
         radii: Vec<f32>,
         sender_level: usize,
     ) -> Result<Self, BasisError> {
-        let (count, levels) = (points.len(), radii.len());
-        let is_whole = offsets.first() == Some(&0)
-            && offsets.last().is_some_and(|&end| end as usize == count)
-            && offsets.is_sorted()
-            && offsets.len() == levels + 1
-            && (1..=super::MOST_LEVELS).contains(&levels);
-        let are_sorted = |ends: &[u32]| owners[ends[0] as usize..ends[1] as usize].is_sorted_by_key(|o| o.object);
-        if !is_whole || owners.len() != count || !offsets.windows(2).all(are_sorted) {
-            return Err(BasisError::Levels { points: count });
+        let levels = radii.len();
+        let are_sorted = |ends: &[u32]| {
+            let of_level = owners.get(ends[0] as usize..ends[1] as usize);
+            of_level.is_some_and(|owners| owners.is_sorted_by_key(|owner| owner.object))
+        };
+        if levels == 0 || owners.len() != points.len() || !offsets.windows(2).all(are_sorted) {
+            return Err(BasisError::Levels { points: points.len() });
         }
         if sender_level >= levels {
             return Err(BasisError::SenderLevels { sender_levels: sender_level + 1, levels });
         }
-        super::basis::check_points(&points)?;
-        super::basis::check_radii(&radii)?;
         let objects = owners.iter().map(|owner| owner.object + 1).max().unwrap_or(0);
-        let grid = grid(&points, &owners, &offsets, &radii, objects);
-        let parents = SparseRows::default();
-        let mut bases = Self { points, owners, offsets, radii, sender_level, objects, grid, parents };
+        let functions = Functions::new(points, offsets, radii, |offsets| keys(&owners, offsets, objects))?;
+        let mut bases = Self { functions, owners, sender_level, objects, parents: SparseRows::default() };
         bases.parents = SparseRows::build(bases.len(), |function, out| {
             let level = bases.level_of(function as u32);
-            let (point, object) = (&bases.points[function], bases.owners[function].object);
+            let (point, object) = (&bases.points()[function], bases.owners[function].object);
             level.checked_sub(1).into_iter().for_each(|above| bases.values(above, object, point, out));
         });
         Ok(bases)
     }
 
+    /// The functions, with range queries.
+    pub fn functions(&self) -> &Functions {
+        &self.functions
+    }
+
     /// Number of functions of all levels.
     pub fn len(&self) -> usize {
-        self.points.len()
+        self.points().len()
     }
 
     /// Whether there are no functions.
     pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
+        self.points().is_empty()
     }
 
     /// Number of levels.
     pub fn levels(&self) -> usize {
-        self.radii.len()
+        self.functions.levels()
     }
 
     /// The functions of a level.
     pub fn level(&self, level: usize) -> Range<usize> {
-        self.offsets[level] as usize..self.offsets[level + 1] as usize
+        self.functions.level(level)
     }
 
     /// First function of each level, and the end of the last.
     pub fn offsets(&self) -> &[u32] {
-        &self.offsets
+        self.functions.offsets()
     }
 
     /// The level of a function.
     pub fn level_of(&self, function: u32) -> usize {
-        self.offsets.partition_point(|&first| first <= function) - 1
+        self.offsets().partition_point(|&first| first <= function) - 1
     }
 
     /// Points on the surface as baked.
     pub fn points(&self) -> &[Surfel] {
-        &self.points
+        self.functions.points()
     }
 
     /// What each function stands for.
@@ -184,7 +180,7 @@ impl ObjectBases {
 
     /// Radius of support of each level in meters.
     pub fn radii(&self) -> &[f32] {
-        &self.radii
+        self.functions.radii()
     }
 
     /// The level whose functions send light.
@@ -197,19 +193,18 @@ impl ObjectBases {
         &self.parents
     }
 
+    /// A point of an object as baked among its functions; `None` if it has none.
+    pub fn place(&self, object: u32, position: Vec3, normal: Vec3) -> Option<FunctionPlace> {
+        let first_key = object as usize * self.levels();
+        (object < self.objects).then_some(FunctionPlace { first_key, position, normal })
+    }
+
     /// Appends the functions of a level of an object that are not zero at a point as baked, with their values there. The values sum to
     /// one, unless no function reaches the point.
     pub fn values(&self, level: usize, object: u32, at: &Surfel, out: &mut Vec<(u32, f32)>) {
-        if object >= self.objects {
-            return;
+        if let Some(at) = self.place(object, at.position, at.normal) {
+            self.functions.values(level, &at, out);
         }
-        let first = out.len();
-        let slot = self.grid.slot_at(self.key(object, level), at.position);
-        let point = (at.position, at.normal);
-        self.grid.for_each_weight(slot, self.radii[level], point, |function, weight| out.push((function, weight)));
-        let sum: f32 = out[first..].iter().map(|w| w.1).sum();
-        let scale = 1.0 / sum.max(f32::MIN_POSITIVE);
-        out[first..].iter_mut().for_each(|w| w.1 *= scale);
     }
 
     /// Values at a point as baked of the finest level that reaches it.
@@ -229,22 +224,14 @@ impl ObjectBases {
         self.finest_values(object, at, &mut values);
         values.iter().fold(T::ZERO, |sum, &(function, value)| sum + coefficients[function as usize] * value)
     }
-
-    /// The functions of one object and level have a grid of their own.
-    fn key(&self, object: u32, level: usize) -> usize {
-        object as usize * self.levels() + level
-    }
 }
 
-/// A grid in which each object and level has its own cells.
-fn grid(points: &[Surfel], owners: &[Owner], offsets: &[u32], radii: &[f32], objects: u32) -> FunctionGrid {
+/// The keys of a grid in which each object and level has its own cells: the level of each, and its functions.
+fn keys(owners: &[Owner], offsets: &[u32], objects: u32) -> Vec<(usize, Range<usize>)> {
     let of = |(object, level): (u32, usize)| {
         let [first, end] = [offsets[level], offsets[level + 1]].map(|i| i as usize);
         let place = |object: u32| first + owners[first..end].partition_point(|owner| owner.object < object);
-        place(object)..place(object + 1)
+        (level, place(object)..place(object + 1))
     };
-    let keys = || (0..objects).flat_map(|object| (0..radii.len()).map(move |level| (object, level)));
-    let ranges: Vec<Range<usize>> = keys().map(of).collect();
-    let all: Vec<f32> = keys().map(|(_, level)| radii[level]).collect();
-    FunctionGrid::new(points, &ranges, &all)
+    (0..objects).flat_map(|object| (0..offsets.len() - 1).map(move |level| (object, level))).map(of).collect()
 }

@@ -330,6 +330,9 @@ pub struct BasisUniforms {
     pub last_slot: u32,
     pub shown_level: u32,
     pub shown_function: u32,
+    pub of_objects: u32,
+    /// To a multiple of 16 bytes.
+    pub padding: [u32; 3],
 }
 
 /// `BasisFunction` of `meshless_pass.wgsl`.

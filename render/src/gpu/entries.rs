@@ -130,7 +130,7 @@ pub const DIRECT: Entry = Entry {
     ..Entry::new("direct_pass", [SHADING, &["shadow", "shadow_filter", "direct_lights", "direct_pass"]])
 };
 
-/// Bounced light of the meshless basis, and that of vertices. Twin of `MeshlessLight::at` in render/src/light/bounce/meshless/functions.rs.
+/// Bounced light of meshless functions, and that of vertices. Twin of `MeshlessLight::at` in render/src/light/bounce/meshless/functions.rs.
 pub const MESHLESS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Basis::LAYOUT, Shading::LAYOUT],
     targets: &format::SUMS,

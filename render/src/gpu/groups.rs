@@ -50,8 +50,8 @@ bind_groups! {
     /// Local lights, and their shadow maps.
     LocalLights { shadow_views: Storage, local_lights: Storage, shadow_maps: DepthLayers }
 
-    /// Functions of the meshless basis, with the grid that finds them, and the coefficients of a solution.
-    Basis { basis: Uniform, slots: Storage, entries: Storage, functions: Storage, coefficients: Storage }
+    /// Meshless functions, with the grid that finds them, the coefficients of a solution, and where vertices were as baked.
+    Basis { basis: Uniform, slots: Storage, entries: Storage, functions: Storage, coefficients: Storage, places: Float }
 
     /// The patch of each vertex.
     Patches { patches: Storage }

@@ -1,8 +1,8 @@
-//! Bounced light of the meshless basis. Buffers hold the functions of a dataset, with the grid that finds them, and the
+//! Bounced light of meshless functions. Buffers hold the functions of a dataset, with the grid that finds them, and the
 //! coefficients of a solution. They are uploaded when they change and not when the camera moves. A pass evaluates them at
 //! every pixel.
 
-use super::groups;
+use super::{groups, scene::float_texture};
 use crate::{
     device::{GpuDevice, layout, storage, uniform},
     error::BackendError,
@@ -11,14 +11,15 @@ use crate::{
     view_mode::BasisView,
 };
 use bytemuck::{NoUninit, Zeroable};
-use glam::Mat3A;
-use lapidary_core::{dataset::Dataset, meshless::Basis};
+use glam::{Mat3A, Vec3};
+use lapidary_core::{dataset::Dataset, mesh::Mesh};
 use std::sync::Arc;
 
 /// Bounced light of the basis as it was last shown.
 #[derive(Default)]
 pub struct GpuMeshless {
-    functions: Option<(Arc<Dataset>, Functions)>,
+    /// Those of a dataset, and whether they are those of its objects.
+    functions: Option<(Arc<Dataset>, bool, Functions)>,
     coefficients: Option<(Arc<MeshlessLight>, wgpu::Buffer)>,
 }
 
@@ -27,6 +28,7 @@ struct Functions {
     slots: wgpu::Buffer,
     entries: wgpu::Buffer,
     functions: wgpu::Buffer,
+    places: wgpu::TextureView,
 }
 
 impl GpuMeshless {
@@ -45,16 +47,16 @@ impl GpuMeshless {
         light: &Arc<MeshlessLight>,
         shown: BasisView,
     ) -> Result<wgpu::BindGroup, BackendError> {
-        let basis = light.basis();
-        let known = self.functions.take().filter(|(dataset, _)| Arc::ptr_eq(dataset, light.dataset()));
-        let make = || Ok((light.dataset().clone(), Functions::new(gpu, basis)?));
-        let (_, functions) = self.functions.insert(known.map_or_else(make, Ok)?);
+        let key = (light.dataset(), light.owners().is_some());
+        let known = self.functions.take().filter(|known| Arc::ptr_eq(&known.0, key.0) && known.1 == key.1);
+        let make = || Ok((key.0.clone(), key.1, Functions::new(gpu, light)?));
+        let (.., functions) = self.functions.insert(known.map_or_else(make, Ok)?);
         let known = self.coefficients.take().filter(|(known, _)| Arc::ptr_eq(known, light));
         let make = || Ok((light.clone(), coefficients(gpu, light.coefficients())?));
         let (_, coefficients) = self.coefficients.insert(known.map_or_else(make, Ok)?);
-        let Functions { slots, entries, functions } = functions;
-        let basis = &uniform(gpu, "meshless light", bytemuck::bytes_of(&uniforms(basis, shown)));
-        Ok(groups::Basis { basis, slots, entries, functions, coefficients }.bind(gpu))
+        let Functions { slots, entries, functions, places } = functions;
+        let basis = &uniform(gpu, "meshless light", bytemuck::bytes_of(&uniforms(light, shown)));
+        Ok(groups::Basis { basis, slots, entries, functions, coefficients, places }.bind(gpu))
     }
 
     /// What the pass reads in a picture whose bounced light is of vertices alone.
@@ -62,7 +64,9 @@ impl GpuMeshless {
         // As large as the largest element of the arrays.
         let nothing = &storage(gpu, "no function", bytemuck::bytes_of(&layout::Coefficient::zeroed()));
         let basis = &uniform(gpu, "no basis", bytemuck::bytes_of(&layout::BasisUniforms::zeroed()));
-        groups::Basis { basis, slots: nothing, entries: nothing, functions: nothing, coefficients: nothing }.bind(gpu)
+        let places = &places(gpu, None);
+        groups::Basis { basis, slots: nothing, entries: nothing, functions: nothing, coefficients: nothing, places }
+            .bind(gpu)
     }
 
     /// The coefficients, to detect a new upload.
@@ -73,7 +77,8 @@ impl GpuMeshless {
 }
 
 impl Functions {
-    fn new(gpu: &GpuDevice, basis: &Basis) -> Result<Self, BackendError> {
+    fn new(gpu: &GpuDevice, light: &MeshlessLight) -> Result<Self, BackendError> {
+        let basis = light.functions();
         let function = |p: &lapidary_core::surfel::Surfel| layout::BasisFunction {
             position: p.position.extend(0.0).to_array(),
             normal: p.normal.extend(0.0).to_array(),
@@ -83,8 +88,21 @@ impl Functions {
             slots: within_limits(gpu, "cells of the meshless basis", basis.grid().slots())?,
             entries: within_limits(gpu, "entries of the meshless basis", basis.grid().entries())?,
             functions: within_limits(gpu, "functions of the meshless basis", &functions)?,
+            places: places(gpu, light.owners().map(|owners| (&light.dataset().scene.mesh, &**owners))),
         })
     }
+}
+
+/// Texels in a row of places.
+const WIDTH: usize = 8192;
+
+/// The place of each vertex as baked, and its object, row by row; a single texel for functions that are not of objects.
+fn places(gpu: &GpuDevice, of_objects: Option<(&Mesh, &[u32])>) -> wgpu::TextureView {
+    let Some((mesh, owners)) = of_objects else { return float_texture(gpu, "no places", [1, 1], &[[0.0; 4]]) };
+    let place = |(position, &object): (&Vec3, &u32)| position.extend(object as f32).to_array();
+    let mut texels: Vec<[f32; 4]> = mesh.positions.iter().zip(owners).map(place).collect();
+    texels.resize(texels.len().next_multiple_of(WIDTH).max(WIDTH), [0.0; 4]);
+    float_texture(gpu, "places as baked", [WIDTH as u32, (texels.len() / WIDTH) as u32], &texels)
 }
 
 fn coefficients(gpu: &GpuDevice, coefficients: &[Mat3A]) -> Result<wgpu::Buffer, BackendError> {
@@ -105,12 +123,14 @@ fn within_limits<T: NoUninit + Zeroable>(
     Ok(storage(gpu, what, bytes))
 }
 
-fn uniforms(basis: &Basis, shown: BasisView) -> layout::BasisUniforms {
+fn uniforms(light: &MeshlessLight, shown: BasisView) -> layout::BasisUniforms {
+    let (basis, of_objects) = (light.functions(), light.owners().is_some());
     let grid = basis.grid();
     let mut levels = [layout::BasisLevel::zeroed(); layout::constants::MOST_BASIS_LEVELS];
     for (level, place) in levels.iter_mut().take(basis.levels()).enumerate() {
         *place = layout::BasisLevel {
-            cells_per_metre: grid.cells_per_metre()[level],
+            // The same for all objects.
+            cells_per_metre: grid.cells_per_metre().get(level).copied().unwrap_or_default(),
             radius: basis.radii()[level],
             end: basis.level(level).end as u32,
             padding: 0,
@@ -122,5 +142,7 @@ fn uniforms(basis: &Basis, shown: BasisView) -> layout::BasisUniforms {
         last_slot: grid.slots().len() as u32 - 1,
         shown_level: shown.level,
         shown_function: shown.function,
+        of_objects: u32::from(of_objects),
+        padding: [0; 3],
     }
 }

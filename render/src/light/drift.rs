@@ -44,7 +44,9 @@ impl Drift {
                 let of_vertices = baked.patches().iter().map(|patch| 1 << patch).collect();
                 (gathered_changes(baked, old, new)?, of_vertices)
             }
-            (BounceLight::Functions(old), BounceLight::Functions(new)) => {
+            (BounceLight::Functions(old), BounceLight::Functions(new))
+                if [old, new].iter().all(|light| light.owners().is_none()) =>
+            {
                 if self.points.is_none() {
                     self.points = Some(ComparedPoints::new(baked)?);
                 }

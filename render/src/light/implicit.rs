@@ -217,14 +217,11 @@ impl PoseRig {
 }
 
 impl PosedLight {
-    /// The same with other bounced light of moved vertices, and none added to that of the others: they have it already.
+    /// The same for a picture whose bounced light follows poses: none is added.
     #[must_use]
-    pub fn with_bounce_of_moved(&self, all: &Sides) -> Self {
-        let of_moved = |side: &[Vec3]| {
-            side.iter().zip(&*self.is_moved).map(|(&all, &moved)| if moved { all } else { Vec3::ZERO }).collect()
-        };
-        let bounce = Sides { front: of_moved(&all.front), back: of_moved(&all.back) };
-        Self { bounce, ..self.clone() }
+    pub fn without_bounces(&self) -> Self {
+        let vertices = self.is_moved.len();
+        Self { is_moved: vec![false; vertices].into(), bounce: Sides::dark(vertices), ..self.clone() }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::{
     light::{
         bounce::SourceLighting,
         components::Components,
-        implicit::{PosedLight, Sides},
+        implicit::PosedLight,
         situation::{Changes, Situation},
         solver::{BounceLight, BounceSolver, rigs::Rigs, solutions::Solution},
     },
@@ -39,11 +39,8 @@ impl LocalLighting {
 
     /// The same with changes of the light by posed objects. A solution that follows poses has their bounces already.
     pub(crate) fn with_posed(self, posed: Option<Arc<PosedLight>>, solution: Solution) -> Self {
-        let follows = |posed: Arc<PosedLight>| match &self.bounce {
-            Some(BounceLight::Vertices(all)) => posed.with_bounce_of_moved(all).into(),
-            _ => posed.with_bounce_of_moved(&Sides::dark(posed.is_moved.len())).into(),
-        };
-        let posed = if solution.follows_poses() { posed.map(follows) } else { posed };
+        let without_bounces = |posed: Arc<PosedLight>| posed.without_bounces().into();
+        let posed = if solution.follows_poses() { posed.map(without_bounces) } else { posed };
         Self { posed, ..self }
     }
 

@@ -18,8 +18,12 @@ use crate::{
     view::View,
     view_mode::{BasisView, ViewMode, visibility_cuts},
 };
-use glam::{Vec2, Vec3};
-use lapidary_core::{dataset::Dataset, meshless::irradiance, ray::Blockers};
+use glam::{Mat3A, Vec2, Vec3};
+use lapidary_core::{
+    dataset::Dataset,
+    meshless::{FunctionPlace, irradiance},
+    ray::Blockers,
+};
 use std::{array::from_fn, f32::consts::FRAC_1_PI};
 
 /// Gray of a surface facing the eye in the views of the meshless basis, to show its shape.
@@ -87,12 +91,18 @@ impl<'a> Bounce<'a> {
             Self::Sources(shader) => return shader.shade(point),
             Self::Vertices(sides) => sides.at(point.vertices, point.weights, point.from_behind),
             Self::Functions(light) => {
-                let vector = light.at(point.position, point.face_normal, point.from_behind);
-                irradiance(&vector, point.world_from_local.z_axis)
+                let vector = place(light, point).map(|place| light.at(&place, point.from_behind));
+                irradiance(&vector.unwrap_or(Mat3A::ZERO), point.world_from_local.z_axis)
             }
         };
         point.brdf.as_brdf().albedo() * received * FRAC_1_PI
     }
+}
+
+/// A surface point among the functions of a light.
+fn place(light: &MeshlessLight, point: &SurfacePoint) -> Option<FunctionPlace> {
+    let shown = FunctionPlace::new(point.position, point.face_normal);
+    light.place(shown, point.vertices, point.barycentric, point.from_behind)
 }
 
 /// Known visibility of each part's lights at a point.
@@ -230,15 +240,13 @@ impl<'a> Painter<'a> {
     /// Value in the views of the meshless basis. Twin of `basis_value` in `shaders/meshless_pass.wgsl`.
     fn basis_value(&self, point: &SurfacePoint) -> Vec3 {
         let Some(Bounce::Functions(light)) = self.bounce else { return Vec3::ZERO };
-        let (position, normal) = (point.position, point.face_normal);
         let gray = Vec3::splat(BASIS_GREY * point.wo.z);
+        let Some(place) = place(light, point) else { return gray };
         match self.mode {
-            ViewMode::BasisLevel => {
-                light.level_part(self.basis.level, position, [normal, point.world_from_local.z_axis])
-            }
-            ViewMode::BasisFunction => gray.lerp(Vec3::X, light.function_value(self.basis.function, position, normal)),
-            _ => match light.marked_level(position, normal) {
-                Some(level) => level_color(level, light.basis().levels()),
+            ViewMode::BasisLevel => light.level_part(self.basis.level, &place, point.world_from_local.z_axis),
+            ViewMode::BasisFunction => gray.lerp(Vec3::X, light.function_value(self.basis.function, &place)),
+            _ => match light.marked_level(&place) {
+                Some(level) => level_color(level, light.functions().levels()),
                 None => gray,
             },
         }

@@ -25,6 +25,8 @@ pub struct SurfacePoint {
     pub vertices: [u32; 3],
     /// Positions of the vertices.
     pub corners: [Vec3; 3],
+    /// Barycentric coordinates.
+    pub barycentric: Vec3,
     /// Weights of the vertices' visibility cuts; those of buried vertices are zero.
     pub weights: [f32; 3],
     /// Whether the back of the triangle is visible.
@@ -371,6 +373,7 @@ impl<'a> Surfaces<'a> {
             material: material_index,
             vertices,
             corners: [p0, p1, p2],
+            barycentric: b,
             weights: self.dataset.interpolation_weights(vertices, hit.barycentric),
             from_behind: hit.back_face,
             position,

@@ -46,6 +46,7 @@ impl<'a> UnoccludedShader<'a> {
             material: material as u32,
             vertices: [0; 3],
             corners: [place.position; 3],
+            barycentric: Vec3::X,
             weights: [1.0, 0.0, 0.0],
             from_behind: false,
             position: place.position,

@@ -118,8 +118,7 @@ fn read(text: &str, scene: &Scene) -> Result<Poses, String> {
 fn a_file_poses_objects_by_name_and_says_what_is_wrong() {
     let mut scene = cubes(3);
     scene.objects[2].name = "cube 1".into();
-    let text =
-        r#"{"objects": {"cube 1": {"translate": [0, 1, 0], "rotate_degrees": [0, 45, 0]}, "cube 0": {"scale": 0.5, "hidden": true}}}"#;
+    let text = r#"{"objects": {"cube 1": {"translate": [0, 1, 0], "rotate_degrees": [0, 45, 0]}, "cube 0": {"scale": 0.5, "hidden": true}}}"#;
     let poses = read(text, &scene).unwrap();
     let turned = Pose { translate: Vec3::Y, rotate_degrees: Vec3::new(0.0, 45.0, 0.0), scale: 1.0, ..Pose::AS_BAKED };
     let expected = [Pose { scale: 0.5, hidden: true, ..Pose::AS_BAKED }, turned, turned];

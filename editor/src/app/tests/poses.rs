@@ -7,6 +7,7 @@ use crate::{
     bake::stale_now,
     document::Edit,
 };
+use egui::{Key, Modifiers};
 use glam::Vec3;
 use lapidary_core::{
     animation::ClipTime,
@@ -164,6 +165,45 @@ fn after_a_move_cuts_are_baked_anew_by_themselves_and_after_its_undo_again() {
     window.perform(Action::Undo);
     window.wait("the way back", |s| placed(s) == Pose::AS_BAKED && s.baking.run.is_none() && is_by_cuts(s));
     assert!(cuts(window.0.state()).has_same_stored(&as_baked), "the bake of before");
+}
+
+#[test]
+fn an_object_is_hidden_by_its_eye_or_a_key_and_cuts_are_baked_anew_without_it() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    wait_for_picture(&mut window);
+    let as_baked = pixels(window.0.state());
+    let is_hidden = |window: &Window| window.0.state().work.document.poses.of(PYRAMID).hidden;
+    window.click("Hide pyramid");
+    window.wait("the preview", |s| s.picture.shown().is_some_and(|p| p.tier == Tier::Implicit));
+    assert!(is_hidden(&window) && window.undo_name().as_deref() == Some("Hide pyramid"));
+    wait_for_picture(&mut window);
+    assert!(pixels(window.0.state()) != as_baked, "it is gone");
+
+    let session = place.path("hidden.lapidary");
+    window.perform(Action::File(FileAction::SaveAs(Some(session.clone()))));
+    let mut again = place.window();
+    again.open(&session);
+    wait_for_picture(&mut again);
+    assert!(is_hidden(&again));
+
+    window.click("Show pyramid");
+    window.wait("the picture as baked", |s| pixels(s) == as_baked);
+    window.perform(Action::Select(SelectAction::Object(Some(PYRAMID))));
+    window.0.state_mut().work.document.bake = few_lights();
+    window.0.state_mut().work.preferences.follows_edits = true;
+    window.0.key_press(Key::H);
+    let placed = |s: &EditorState| s.work.scene.baked.as_ref().unwrap().dataset.scene.placed_poses().of(PYRAMID);
+    let is_by_cuts = |s: &EditorState| s.picture.shown().is_some_and(|p| p.tier == Tier::Cuts);
+    window.wait("the picture by cuts", |s| placed(s).hidden && is_by_cuts(s));
+    assert!(
+        stale_now(&window.0.state().work).is_empty() && window.0.state().pose.movable(&window.0.state().work).is_none()
+    );
+    window.0.key_press_modifiers(Modifiers::SHIFT, Key::H);
+    window.wait("the way back", |s| !placed(s).hidden && s.baking.run.is_none() && pixels(s) == as_baked);
+    assert!(!is_hidden(&window));
 }
 
 #[test]

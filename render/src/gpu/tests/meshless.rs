@@ -7,12 +7,15 @@ use super::{
     twin::{agrees, appearance, backend, difference, in_bands, maps, on_the_cpu, parameters, scene, view},
 };
 use crate::{
-    Appearance, Backend, Background, BasisView, BounceLight, BrdfSampling, Components, CpuBackend, LocalLighting,
-    LocalRig, Post, Renderer, SceneLighting, Solution, View, ViewMode,
+    Appearance, Backend, Background, Baked, BasisView, BounceLight, BrdfSampling, Components, CpuBackend,
+    LocalLighting, LocalRig, Post, Renderer, SceneLighting, Solution, View, ViewMode,
     gpu::GpuBackend,
-    light::bounce::MeshlessLight,
+    light::{
+        bounce::{MeshlessLight, meshless::functions::tests::with_functions_of_objects},
+        implicit::tests::{blocked, posed},
+    },
     shade::painter::PictureLight,
-    test_scenes::{Edited, floor_and_wall, linked_floor_and_wall, point_light},
+    test_scenes::{Edited, floor_and_wall, from_above, linked_floor_and_wall, point_light, white},
 };
 use glam::{Mat3A, Vec3, Vec3A};
 use lapidary_core::{
@@ -22,6 +25,7 @@ use lapidary_core::{
     lights::Light,
     material::{BrdfModel, MaterialMaps},
     meshless::{Basis, MeshlessBake, Transport},
+    scene::pose::Pose,
     surfel::Surfel,
 };
 use std::sync::{Arc, MutexGuard};
@@ -123,7 +127,7 @@ fn pixels_agree_to_a_hundred_thousandth_of_the_light() {
     let (gpu, cpu) = (picture(&mut rig.gpu, &dark_view()), rig.on_cpu(&rig.meshless));
     let (relative, _) = difference(&gpu, &cpu);
     assert!(relative < 1e-5, "{relative}");
-    let (levels, coefficients) = (rig.meshless.basis(), rig.meshless.coefficients());
+    let (levels, coefficients) = (rig.meshless.functions(), rig.meshless.coefficients());
     let mut fewer = coefficients.to_vec();
     fewer[levels.level(2)].fill(Mat3A::ZERO);
     let without_finest = MeshlessLight::new(rig.meshless.dataset(), fewer).unwrap();
@@ -136,9 +140,47 @@ fn pixels_agree_to_a_hundred_thousandth_of_the_light() {
 }
 
 #[test]
+fn functions_of_objects_go_with_them_on_both_renderers() {
+    let Some((_one, mut gpu)) = backend() else { return };
+    let as_baked = Arc::new(with_functions_of_objects(blocked(white(), 12)));
+    let pose = Pose { translate: Vec3::new(0.4, -0.3, 0.2), rotate_degrees: Vec3::Y * 30.0, ..Pose::AS_BAKED };
+    let scene = Baked::from(as_baked.clone()).posed(&posed(pose)).unwrap();
+    let renderer = Renderer::new(scene.dataset.clone());
+    gpu.set_scene(&scene).unwrap();
+    let bases = as_baked.object_bases.as_ref().unwrap();
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut vector = || Vec3A::from_array(std::array::from_fn(|_| random.f32() + 0.2));
+    let coefficients = bases.points().iter().map(|_| Mat3A::from_cols(vector(), vector(), vector())).collect();
+    let light = |dataset: &Arc<Dataset>| {
+        let owners: Arc<[u32]> = dataset.scene.mesh.owners().into();
+        MeshlessLight::of_objects(dataset, &owners, Vec::clone(&coefficients)).unwrap()
+    };
+    let on_gpu = |gpu: &mut GpuBackend, view: &View| {
+        let bounce = Some(BounceLight::Functions(light(&as_baked).into()));
+        let local = LocalLighting { bounce, components: BOUNCE, ..Default::default() };
+        assert!(gpu.set_local_lighting(&local).unwrap().is_empty());
+        picture(gpu, view)
+    };
+    for mode in [ViewMode::Shaded, ViewMode::BasisLevel, ViewMode::BasisCoefficients] {
+        let view =
+            View { mode, basis: BasisView { level: 1, function: 0 }, camera: from_above(64).camera, ..dark_view() };
+        let shown = on_gpu(&mut gpu, &view);
+        let on_cpu = |dataset: &Arc<Dataset>| {
+            let bounce = BounceLight::Functions(light(dataset).into());
+            let light = PictureLight { bounce: Some(&bounce), ..Default::default() };
+            on_the_cpu(&gpu, &renderer, &view, light, BrdfSampling::Refine)
+        };
+        let cpu = on_cpu(&as_baked);
+        assert!(agrees_but_at_edges(&shown, &cpu), "{mode:?}: {:?}", difference(&shown, &cpu));
+        let stayed = on_cpu(&scene.dataset);
+        assert!(!agrees_but_at_edges(&shown, &stayed), "negative control: functions stay behind, {mode:?}");
+    }
+}
+
+#[test]
 fn views_of_the_basis_agree_and_are_told_from_each_other() {
     let Some(mut rig) = Rig::new() else { return };
-    let basis = rig.meshless.basis();
+    let basis = rig.meshless.functions();
     // Of the middle level, and seen.
     let middle = |i: &usize| {
         let point = basis.points()[*i];
@@ -177,7 +219,7 @@ fn backs_have_light_where_a_fine_function_is_on_their_side_and_none_elsewhere() 
     let from_below = View { camera, ..dark_view() };
     let (gpu, cpu) = (picture(&mut rig.gpu, &from_below), rig.seen_on_cpu(&from_below, &rig.meshless));
     assert!(agrees(&gpu, &cpu) && cpu.pixels.iter().any(|p| p.x > 0.0), "{:?}", difference(&gpu, &cpu));
-    let is_front = |i: usize| rig.meshless.basis().points()[i].normal.y > 0.0;
+    let is_front = |i: usize| rig.meshless.functions().points()[i].normal.y > 0.0;
     let fronts = (0..).zip(rig.meshless.coefficients()).map(|(i, &v)| if is_front(i) { v } else { Mat3A::ZERO });
     let fronts = MeshlessLight::new(rig.meshless.dataset(), fronts.collect()).unwrap();
     assert!(!agrees(&gpu, &rig.seen_on_cpu(&from_below, &fronts)), "negative control: the light of fronts alone");

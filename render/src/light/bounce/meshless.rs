@@ -128,7 +128,7 @@ mod tests {
     use lapidary_core::{
         camera::Camera,
         lights::Light,
-        meshless::{Basis, Transport},
+        meshless::{Basis, FunctionPlace, Transport},
         sphere::{cosine_direction, frame_around},
         surfel::MeshPlace,
     };
@@ -148,7 +148,7 @@ mod tests {
         let light = rig.light();
         let mesh = &light.dataset().scene.mesh;
         let up = mesh.normals.iter().position(|n| *n == Vec3::Y).unwrap();
-        light.at(mesh.positions[up], Vec3::Y, false)
+        light.at(&FunctionPlace::new(mesh.positions[up], Vec3::Y), false)
     }
 
     #[test]
@@ -166,7 +166,7 @@ mod tests {
         let mesh = &baked.dataset.scene.mesh;
         for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals).filter(|(_, n)| **n == Vec3::Y) {
             let expected = LINK.dot(normal) * sent;
-            let received = super::irradiance(&found.at(position, normal, false), normal);
+            let received = super::irradiance(&found.at(&FunctionPlace::new(position, normal), false), normal);
             assert!((received - expected).length() < 1e-3 * expected.length(), "{received} for {expected}");
         }
         let situation = rig.situation.clone();
@@ -327,7 +327,7 @@ mod tests {
         assert!(Arc::ptr_eq(&light, &same) && once == again);
         let floor = ResolvedAppearance::from(Appearance::of(&baked.dataset.scene))
             .albedo(&baked.dataset.scene.mesh, MeshPlace::default());
-        let received = super::irradiance(&light.at(Vec3::ZERO, Vec3::Y, false), Vec3::Y);
+        let received = super::irradiance(&light.at(&FunctionPlace::new(Vec3::ZERO, Vec3::Y), false), Vec3::Y);
         let expected = floor * received * FRAC_1_PI;
         assert!((once - expected).length() < 1e-4 * expected.length() && once.x > 0.0, "{once} for {expected}");
         rig.set_lights(&lamp(6.0));

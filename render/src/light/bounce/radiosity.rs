@@ -1,11 +1,10 @@
 //! Bounced light of posed objects, solved anew in functions that lie on them (meshless radiosity). Rays are kept: a move traces only
 //! those again that it changes.
 
-use super::lit_points::LitPoints;
+use super::{MeshlessLight, lit_points::LitPoints};
 use crate::{
     baked::Baked,
     light::{
-        implicit::Sides,
         situation::{Changes, Relight, Situation},
         sky::SkyGrid,
     },
@@ -13,10 +12,9 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
-    dataset::Dataset,
     gather_table::GatherHit,
     mesh_surface::{CarryingMesh, MeshSurface},
-    meshless::{LitFunctions, ObjectBases, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep, irradiance},
+    meshless::{LitFunctions, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep, irradiance},
     scene::{Mesh, pose::Poses},
     sources::Source,
     sparse::SparseRows,
@@ -24,7 +22,10 @@ use lapidary_core::{
     transport::BounceEnergy,
 };
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+};
 
 /// Samples of an area light along each of its sides, at each function.
 const AREA_SAMPLES: u32 = 2;
@@ -41,8 +42,8 @@ pub struct RadiosityRig {
     /// The functions under local lights.
     lit: LitPoints,
     sky: SkyGrid,
-    /// Values of the functions at the front and the back of each vertex.
-    at_vertices: [SparseRows; 2],
+    /// The object of each vertex.
+    owners: Arc<[u32]>,
     light: Option<RadiosityLight>,
     /// Number of the present solution.
     begun: u64,
@@ -64,11 +65,11 @@ impl RadiosityRig {
     pub fn new(baked: &Baked) -> Option<Self> {
         let bases = (**baked.dataset.object_bases.as_ref()?).clone();
         let lit = LitPoints::new(baked, bases.points().to_vec(), AREA_SAMPLES).in_spatial_order();
-        let at_vertices = values_at_vertices(&bases, &baked.dataset);
+        let owners = baked.dataset.scene.mesh.owners().into();
         let solver = Radiosity::new(bases, RadiositySettings::DEFAULT);
         let (as_baked, posed, sky) = (baked.clone(), baked.clone(), SkyGrid::new(None));
         let poses = Poses::default();
-        Some(Self { as_baked, posed, poses, solver, lit, sky, at_vertices, light: None, begun: 0, at_sources: None })
+        Some(Self { as_baked, posed, poses, solver, lit, sky, owners, light: None, begun: 0, at_sources: None })
     }
 
     /// The number of the present solution.
@@ -102,11 +103,9 @@ impl RadiosityRig {
         })
     }
 
-    /// Irradiance of all bounces so far at the vertices in W/m².
-    pub fn at_vertices(&self) -> Sides {
-        let normals = &self.posed.dataset.scene.mesh.normals;
-        let [front, back] = &self.at_vertices;
-        Sides { front: self.received(front, |i| normals[i]), back: self.received(back, |i| -normals[i]) }
+    /// All bounces so far, for any point.
+    pub fn shown(&self) -> Option<MeshlessLight> {
+        MeshlessLight::of_objects(&self.as_baked.dataset, &self.owners, self.light.as_ref()?.total.clone())
     }
 
     /// Irradiance of all bounces so far at the surface sources in W/m²; of a scene as baked.
@@ -189,26 +188,4 @@ fn boxes(mesh: &Mesh, objects: &BTreeSet<u32>) -> BTreeMap<u32, Bounds> {
     let triangles: Vec<usize> = (0..mesh.triangles.len()).filter(|&t| objects.contains(&object(t))).collect();
     let present: BTreeSet<u32> = triangles.iter().map(|&triangle| object(triangle)).collect();
     present.into_iter().zip(mesh.bounds_by(triangles, object)).collect()
-}
-
-/// Values of the functions at both sides of the vertices as baked; none at the back of a one-sided surface.
-fn values_at_vertices(bases: &ObjectBases, dataset: &Dataset) -> [SparseRows; 2] {
-    let mesh = &dataset.scene.mesh;
-    let mut corner = vec![None; mesh.positions.len()];
-    for (triangle, corners) in mesh.triangles.iter().enumerate() {
-        corners.iter().for_each(|&vertex| {
-            let known = corner[vertex as usize].get_or_insert((triangle, false));
-            known.1 |= dataset.two_sided[triangle];
-        });
-    }
-    let rows = |side: f32| {
-        SparseRows::build(corner.len(), |vertex, out| {
-            if let Some((triangle, _)) = corner[vertex].filter(|(_, is_two_sided)| side > 0.0 || *is_two_sided) {
-                let (position, normal) = (mesh.positions[vertex], mesh.normals[vertex] * side);
-                let at = Surfel { position, normal, ..Surfel::default() };
-                bases.finest_values(mesh.triangle_object[triangle], &at, out);
-            }
-        })
-    };
-    [rows(1.0), rows(-1.0)]
 }

@@ -2,26 +2,26 @@
 
 use super::{BounceLight, BounceSolver, rigs::Rigs, solutions::Described};
 use crate::light::{
-    implicit::Sides,
+    bounce::MeshlessLight,
     situation::{Changes, Situation},
 };
-use glam::Vec3;
 use lapidary_core::{
     dataset::BakeParts,
     meshless::{RadiositySettings, RadiosityStep},
     scene::pose::Poses,
     transport::BounceEnergy,
 };
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Solves bounced light for the objects where they are.
 #[derive(Default)]
 pub struct RadiositySolver {
     /// What is shown after each step of the present light: its bounces so far, and the further ones of the light before.
-    steps: Vec<Arc<Sides>>,
+    steps: Vec<Arc<MeshlessLight>>,
     /// The steps of the last whole light.
-    before: Vec<Arc<Sides>>,
-    shown: Option<Arc<Sides>>,
+    before: Vec<Arc<MeshlessLight>>,
+    shown: Option<Arc<MeshlessLight>>,
     /// Of the present light.
     poses: Poses,
     energy: Option<BounceEnergy>,
@@ -64,14 +64,14 @@ impl BounceSolver for RadiositySolver {
             return true;
         }
         self.energy = rig.energy();
-        self.steps.push(rig.at_vertices().into());
+        self.steps.extend(rig.shown().map(Arc::new));
         self.is_whole = step == RadiosityStep::Last;
         self.shown = self.with_rest_of_before();
         !self.is_whole
     }
 
     fn light(&self) -> Option<BounceLight> {
-        self.shown.clone().map(BounceLight::Vertices)
+        self.shown.clone().map(BounceLight::Functions)
     }
 
     fn energy(&self) -> Option<BounceEnergy> {
@@ -91,14 +91,16 @@ impl RadiositySolver {
     }
 
     /// The present light with the bounces of the light before that it lacks: a picture would else darken after each move.
-    fn with_rest_of_before(&self) -> Option<Arc<Sides>> {
+    fn with_rest_of_before(&self) -> Option<Arc<MeshlessLight>> {
         let now = self.steps.last()?;
         let rest = self.before.get(self.steps.len() - 1).zip(self.before.last()).filter(|_| !self.is_whole);
         let Some((same, all)) = rest else { return Some(now.clone()) };
-        let side = |of: fn(&Sides) -> &[Vec3]| {
-            let values = of(now).iter().zip(of(all)).zip(of(same));
-            values.map(|((now, all), same)| (now + all - same).max(Vec3::ZERO)).collect()
+        let coefficients = [now, all, same].map(|light| light.coefficients());
+        let with_rest = |function: usize| {
+            let [now, all, same] = coefficients.map(|of| of[function]);
+            now + all - same
         };
-        Some(Sides { front: side(|sides| &sides.front), back: side(|sides| &sides.back) }.into())
+        let functions = (0..coefficients[0].len()).into_par_iter();
+        Some(now.with_coefficients(functions.map(with_rest).collect()).into())
     }
 }

@@ -102,13 +102,13 @@ struct Solved {
 }
 
 impl Solved {
-    /// Solves, with the light at the vertices after each bounce, as it is shown.
+    /// Solves, with the light after each bounce as it is shown.
     fn by(rig: &mut RadiosityRig, start: Instant) -> Self {
         let mut times = Vec::new();
         loop {
             let step = rig.step();
             if step != RadiosityStep::Partial {
-                rig.at_vertices();
+                rig.shown();
                 times.push(start.elapsed());
             }
             if step == RadiosityStep::Last {

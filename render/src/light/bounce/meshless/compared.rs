@@ -5,7 +5,7 @@ use crate::baked::Baked;
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
     dataset::Dataset,
-    meshless::{Basis, Flattening, MeshlessBake},
+    meshless::{Basis, Flattening, FunctionPlace, MeshlessBake},
 };
 use rayon::prelude::*;
 
@@ -56,7 +56,10 @@ fn lit_backs(dataset: &Dataset, basis: &Basis) -> Vec<(u32, (Vec3, Vec3))> {
     two_sided.flat_map(|(triangle, _)| triangle).for_each(|&vertex| seen_from_both[vertex as usize] = true);
     let back = |vertex: u32| (vertex, (mesh.positions[vertex as usize], -mesh.normals[vertex as usize]));
     let vertices = (0..seen_from_both.len() as u32).into_par_iter().filter(|&v| seen_from_both[v as usize]);
-    vertices.map(back).filter(|(_, (position, normal))| is_back_lit(basis, *position, *normal)).collect()
+    vertices
+        .map(back)
+        .filter(|(_, (position, normal))| is_back_lit(basis.functions(), &FunctionPlace::new(*position, *normal)))
+        .collect()
 }
 
 fn lengths(vector: Mat3A) -> Vec3 {

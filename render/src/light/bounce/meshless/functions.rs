@@ -2,7 +2,11 @@
 //! by level (meshless paper, 4.1, with the loop inverted). The basis limits the detail, not the mesh.
 
 use glam::{Mat3A, Vec3};
-use lapidary_core::{color::luminance, dataset::Dataset, meshless::Basis};
+use lapidary_core::{
+    color::luminance,
+    dataset::Dataset,
+    meshless::{FunctionPlace, Functions},
+};
 use rayon::prelude::*;
 use std::{f32::consts::FRAC_1_PI, fmt, sync::Arc};
 
@@ -10,12 +14,15 @@ use std::{f32::consts::FRAC_1_PI, fmt, sync::Arc};
 /// least 0.4 radii apart, so markers do not touch.
 pub(crate) const POINT_RADIUS: f32 = 0.08;
 
-/// Bounced light as coefficients of a dataset's meshless basis.
+/// Bounced light as coefficients of meshless functions: of a dataset's basis, or of those of its objects, which go with them.
 #[derive(Clone)]
 pub struct MeshlessLight {
     dataset: Arc<Dataset>,
+    /// The object of each vertex, if the functions are those of objects. Their levels hold absolute values, each finer than the one
+    /// before; those of a basis are summed.
+    owners: Option<Arc<[u32]>>,
     coefficients: Vec<Mat3A>,
-    /// Whether any function in the cell of each grid slot carries light. Most cells of the finest levels have none.
+    /// Whether any function in the cell of each grid slot carries light. Most cells of the finest levels of a basis have none.
     is_lit: Vec<bool>,
 }
 
@@ -26,7 +33,7 @@ impl fmt::Debug for MeshlessLight {
 }
 
 impl MeshlessLight {
-    /// Light of a dataset's functions by `coefficients`: vector irradiance in W/m², one column per color channel. `None` if the
+    /// Light of a dataset's basis by `coefficients`: vector irradiance in W/m², one column per color channel. `None` if the
     /// dataset has no meshless basis.
     ///
     /// # Panics
@@ -34,10 +41,31 @@ impl MeshlessLight {
     pub fn new(dataset: &Arc<Dataset>, coefficients: Vec<Mat3A>) -> Option<Self> {
         let bake = dataset.meshless.as_ref()?;
         assert_eq!(bake.basis.len(), coefficients.len(), "one coefficient per function");
-        let grid = bake.basis.grid();
+        let grid = bake.basis.functions().grid();
         let is_lit = |slot: usize| grid.functions_in(slot).iter().any(|&f| coefficients[f as usize] != Mat3A::ZERO);
         let is_lit = (0..grid.slots().len()).into_par_iter().with_min_len(1024).map(is_lit).collect();
-        Some(Self { dataset: dataset.clone(), coefficients, is_lit })
+        Some(Self { dataset: dataset.clone(), owners: None, coefficients, is_lit })
+    }
+
+    /// Light of the functions of a dataset's objects. `owners` has the object of each vertex. `None` if the dataset has no such
+    /// functions.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    pub fn of_objects(dataset: &Arc<Dataset>, owners: &Arc<[u32]>, coefficients: Vec<Mat3A>) -> Option<Self> {
+        assert_eq!(dataset.object_bases.as_ref()?.len(), coefficients.len(), "one coefficient per function");
+        Some(Self { dataset: dataset.clone(), owners: Some(owners.clone()), coefficients, is_lit: Vec::new() })
+    }
+
+    /// The same functions with other coefficients.
+    #[must_use]
+    pub fn with_coefficients(&self, coefficients: Vec<Mat3A>) -> Self {
+        let Self { dataset, owners, .. } = self;
+        let light = match owners {
+            Some(owners) => Self::of_objects(dataset, owners, coefficients),
+            None => Self::new(dataset, coefficients),
+        };
+        light.expect("the dataset has these functions")
     }
 
     /// The dataset of these functions.
@@ -45,9 +73,17 @@ impl MeshlessLight {
         &self.dataset
     }
 
+    /// The object of each vertex, if the functions are those of objects.
+    pub fn owners(&self) -> Option<&Arc<[u32]>> {
+        self.owners.as_ref()
+    }
+
     /// The functions.
-    pub fn basis(&self) -> &Basis {
-        &self.dataset.meshless.as_ref().expect("it was made with a basis").basis
+    pub fn functions(&self) -> &Functions {
+        let Dataset { meshless, object_bases, .. } = &*self.dataset;
+        let of_objects = || object_bases.as_ref().expect("it was made with functions of objects").functions();
+        let of_scene = || meshless.as_ref().expect("it was made with a basis").basis.functions();
+        if self.owners.is_some() { of_objects() } else { of_scene() }
     }
 
     /// Vector irradiance of each function in W/m², one column per color channel.
@@ -55,56 +91,77 @@ impl MeshlessLight {
         &self.coefficients
     }
 
-    /// Vector irradiance at a surface point. Functions lie on faces, so `normal` is the face's unit normal on the visible side.
+    /// A point of a triangle among the functions, from its place in the picture. Those of objects lie on the scene as baked, so the
+    /// point is found there by its vertices and barycentric coordinates; `None` on an object without functions.
+    pub fn place(
+        &self,
+        shown: FunctionPlace,
+        vertices: [u32; 3],
+        barycentric: Vec3,
+        from_behind: bool,
+    ) -> Option<FunctionPlace> {
+        let Some(owners) = &self.owners else { return Some(shown) };
+        let [a, b, c] = vertices.map(|vertex| self.dataset.scene.mesh.positions[vertex as usize]);
+        let normal = (b - a).cross(c - a).normalize_or_zero() * if from_behind { -1.0 } else { 1.0 };
+        let position = a * barycentric.x + b * barycentric.y + c * barycentric.z;
+        self.dataset.object_bases.as_ref()?.place(owners[vertices[0] as usize], position, normal)
+    }
+
+    /// Vector irradiance at a surface point. Functions lie on faces, so its normal is the face's on the visible side.
     /// Interpolated normals have a larger error: 0.095 in place of 0.087 in the bathroom.
     ///
-    /// A back is lit if a function of the finest level reaches it. Normals of open shells often point away from the visible side,
+    /// Functions of objects: the finest level that reaches the point. A basis: the sum of all levels. There a back is lit if a
+    /// function of the finest level reaches it. Normals of open shells often point away from the visible side,
     /// and functions lie on the lit side (meshless paper, 2.2, Eq. 8). A visible back has a fine function close to it. Coarser
     /// functions also reach hidden backs, through walls.
     #[inline]
-    pub fn at(&self, position: Vec3, normal: Vec3, from_behind: bool) -> Mat3A {
-        if from_behind && !is_back_lit(self.basis(), position, normal) {
+    pub fn at(&self, place: &FunctionPlace, from_behind: bool) -> Mat3A {
+        let (functions, levels) = (self.functions(), 0..self.functions().levels());
+        let of_level = |level: usize| {
+            let slot = functions.slot_at(level, place);
+            let is_lit = self.is_lit.get(slot).is_none_or(|&lit| lit);
+            is_lit.then(|| functions.evaluate_in(slot, level, place, &self.coefficients)).flatten()
+        };
+        if self.owners.is_some() {
+            return levels.rev().find_map(of_level).unwrap_or(Mat3A::ZERO);
+        }
+        if from_behind && !is_back_lit(functions, place) {
             return Mat3A::ZERO;
         }
-        let basis = self.basis();
-        (0..basis.levels()).fold(Mat3A::ZERO, |sum, level| {
-            let slot = basis.grid().slot_at(level, position);
-            match self.is_lit[slot] {
-                true => sum + basis.evaluate_in(slot, level, (position, normal), &self.coefficients),
-                false => sum,
-            }
-        })
+        levels.filter_map(of_level).fold(Mat3A::ZERO, |sum, of_level| sum + of_level)
     }
 
-    /// Contribution of one level to the light that a white surface reflects: red where positive, blue where negative (meshless
+    /// The part of one level in the light that a white surface reflects: red where positive, blue where negative (meshless
     /// paper, Fig. 3). Black beyond the last level.
-    pub(crate) fn level_part(&self, level: u32, position: Vec3, [normal, shading]: [Vec3; 2]) -> Vec3 {
-        let basis = self.basis();
-        if level as usize >= basis.levels() {
+    pub(crate) fn level_part(&self, level: u32, place: &FunctionPlace, shading_normal: Vec3) -> Vec3 {
+        let (functions, level) = (self.functions(), level as usize);
+        if level >= functions.levels() {
             return Vec3::ZERO;
         }
-        let vector = basis.evaluate_level(level as usize, position, normal, &self.coefficients);
-        let reflected = luminance(vector.transpose().mul_vec3(shading)) * FRAC_1_PI;
+        let vector = functions.evaluate_in(functions.slot_at(level, place), level, place, &self.coefficients);
+        let received = vector.unwrap_or(Mat3A::ZERO).transpose().mul_vec3(shading_normal);
+        let reflected = luminance(received) * FRAC_1_PI;
         Vec3::new(reflected, 0.0, -reflected).max(Vec3::ZERO)
     }
 
     /// Value of one function at a point, 0 to 1 (meshless paper, Fig. 4).
-    pub(crate) fn function_value(&self, function: u32, position: Vec3, normal: Vec3) -> f32 {
-        let basis = self.basis();
-        let level = (0..basis.levels()).find(|&level| basis.level(level).contains(&(function as usize)));
+    pub(crate) fn function_value(&self, function: u32, place: &FunctionPlace) -> f32 {
+        let functions = self.functions();
+        let level = (0..functions.levels()).find(|&level| functions.level(level).contains(&(function as usize)));
         let mut values = Vec::new();
-        level.into_iter().for_each(|level| basis.values(level, position, normal, &mut values));
+        level.into_iter().for_each(|level| functions.values(level, place, &mut values));
         values.iter().find(|(found, _)| *found == function).map_or(0.0, |(_, value)| *value)
     }
 
     /// The finest level that has a function with a nonzero coefficient and a center close to the point (meshless paper, Fig. 1).
-    pub(crate) fn marked_level(&self, position: Vec3, normal: Vec3) -> Option<usize> {
-        let basis = self.basis();
-        (0..basis.levels()).rev().find(|&level| {
-            let reach = POINT_RADIUS * basis.radii()[level];
+    pub(crate) fn marked_level(&self, place: &FunctionPlace) -> Option<usize> {
+        let functions = self.functions();
+        (0..functions.levels()).rev().find(|&level| {
+            let reach = POINT_RADIUS * functions.radii()[level];
             let mut is_marked = false;
-            basis.for_each_weight(level, position, normal, |function, _| {
-                let near = basis.points()[function as usize].position.distance_squared(position) < reach * reach;
+            functions.for_each_weight(level, place, |function, _| {
+                let center = functions.points()[function as usize].position;
+                let near = center.distance_squared(place.position) < reach * reach;
                 is_marked |= near && self.coefficients[function as usize] != Mat3A::ZERO;
             });
             is_marked
@@ -113,8 +170,8 @@ impl MeshlessLight {
 }
 
 /// Whether the back at a point receives light; see [`MeshlessLight::at`].
-pub(crate) fn is_back_lit(basis: &Basis, position: Vec3, normal: Vec3) -> bool {
-    basis.reaches(basis.levels() - 1, position, normal)
+pub(crate) fn is_back_lit(functions: &Functions, place: &FunctionPlace) -> bool {
+    functions.reaches(functions.levels() - 1, place)
 }
 
 /// Color of a level: hues from red to magenta.
@@ -125,12 +182,15 @@ pub(crate) fn level_color(level: usize, levels: usize) -> Vec3 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::test_scenes;
+    use crate::{
+        light::implicit::tests::blocked,
+        test_scenes::{self, white},
+    };
     use lapidary_core::{
         brdf::GgxParameters,
-        meshless::{MeshlessBake, Transport},
+        meshless::{Basis, MeshlessBake, ObjectBases, Owner, Transport},
         surfel::Surfel,
     };
 
@@ -149,19 +209,66 @@ mod tests {
         MeshlessLight::new(&dataset.into(), coefficients).unwrap()
     }
 
+    fn below(position: Vec3) -> FunctionPlace {
+        FunctionPlace::new(position, Vec3::NEG_Y)
+    }
+
+    /// A dataset with functions of its objects at the front of each vertex: of all vertices, and coarser ones of every fifth.
+    pub(crate) fn with_functions_of_objects(mut dataset: Dataset) -> Dataset {
+        let mesh = &dataset.scene.mesh;
+        let mut functions: Vec<(Surfel, Owner)> = Vec::new();
+        for (vertex, object) in mesh.owners().into_iter().enumerate() {
+            let surfel = Surfel { position: mesh.positions[vertex], normal: mesh.normals[vertex], ..Surfel::default() };
+            functions.push((surfel, Owner { object, ..Owner::default() }));
+        }
+        functions.sort_by_key(|(_, owner)| owner.object);
+        let coarse = functions.iter().step_by(5).copied().collect();
+        dataset.object_bases = Some(ObjectBases::new(&[coarse, functions], vec![2.0, 0.8], 0).unwrap().into());
+        dataset
+    }
+
+    #[test]
+    fn functions_of_an_object_light_it_alone_wherever_it_is() {
+        let dataset = Arc::new(with_functions_of_objects(blocked(white(), 8)));
+        let (mesh, bases) = (&dataset.scene.mesh, dataset.object_bases.as_ref().unwrap());
+        let owners: Arc<[u32]> = mesh.owners().into();
+        // Another light for each object and level; that of the coarse level never shows where the fine one reaches.
+        let of = |function: usize| {
+            let (object, level) = (bases.owners()[function].object, bases.level_of(function as u32));
+            Mat3A::IDENTITY * (1.0 + object as f32 + 10.0 * (1 - level) as f32)
+        };
+        let coefficients: Vec<Mat3A> = (0..bases.len()).map(of).collect();
+        let light = MeshlessLight::of_objects(&dataset, &owners, coefficients).unwrap();
+        for (triangle, &vertices) in mesh.triangles.iter().enumerate() {
+            let object = mesh.triangle_object[triangle];
+            let normal = mesh.area_vector(triangle).normalize();
+            let facing = mesh.normals[vertices[0] as usize].dot(normal) > 0.0;
+            // Wherever the picture shows it: here all lie upon each other.
+            let shown = FunctionPlace::new(Vec3::ZERO, Vec3::Y);
+            let place = light.place(shown, vertices, Vec3::splat(1.0 / 3.0), !facing).unwrap();
+            assert!(light.at(&place, false).abs_diff_eq(Mat3A::IDENTITY * (1.0 + object as f32), 1e-5), "{triangle}");
+        }
+        let blocker = mesh.triangles[mesh.triangles.len() - 1];
+        let of_blocker = light.place(below(Vec3::ZERO), blocker, Vec3::splat(1.0 / 3.0), true).unwrap();
+        let of_floor = FunctionPlace { first_key: 0, ..of_blocker };
+        assert_ne!(light.at(&of_floor, true), light.at(&of_blocker, true), "negative control: the floor's functions");
+        let dark = light.with_coefficients(vec![Mat3A::ZERO; bases.len()]);
+        assert!(dark.owners().is_some() && dark.at(&of_blocker, false) == Mat3A::ZERO);
+    }
+
     #[test]
     fn it_is_the_sum_of_values_times_coefficients() {
         let light = light();
         let mut random = fastrand::Rng::with_seed(3);
         let sum_by_values = |position: Vec3| {
             let mut values = Vec::new();
-            (0..2).for_each(|level| light.basis().values(level, position, Vec3::NEG_Y, &mut values));
+            (0..2).for_each(|level| light.functions().values(level, &below(position), &mut values));
             values.iter().fold(Mat3A::ZERO, |sum, &(j, value)| sum + light.coefficients[j as usize] * value)
         };
         let mut lit = 0;
         for _ in 0..500 {
             let position = Vec3::new(2.0 * random.f32(), 0.0, 2.0 * random.f32());
-            let found = light.at(position, Vec3::NEG_Y, false);
+            let found = light.at(&below(position), false);
             assert!(found.abs_diff_eq(sum_by_values(position), 1e-5), "{position}");
             lit += u32::from(found != Mat3A::ZERO && !found.abs_diff_eq(sum_by_values(Vec3::ZERO), 1e-3));
         }
@@ -172,32 +279,34 @@ mod tests {
     fn backs_are_lit_where_a_fine_function_reaches_them() {
         let light = light();
         let under_coarse_alone = Vec3::new(0.2, 0.0, 0.2);
-        assert!(light.at(under_coarse_alone, Vec3::NEG_Y, false) != Mat3A::ZERO, "negative control: as a front");
-        assert_eq!(light.at(under_coarse_alone, Vec3::NEG_Y, true), Mat3A::ZERO);
+        assert!(light.at(&below(under_coarse_alone), false) != Mat3A::ZERO, "negative control: as a front");
+        assert_eq!(light.at(&below(under_coarse_alone), true), Mat3A::ZERO);
         let under_fine = Vec3::new(1.6, 0.0, 1.9);
-        assert_eq!(light.at(under_fine, Vec3::NEG_Y, true), light.at(under_fine, Vec3::NEG_Y, false));
-        assert!(light.at(under_fine, Vec3::NEG_Y, true) != Mat3A::ZERO);
-        assert_eq!(light.at(under_fine, Vec3::Y, true), Mat3A::ZERO, "the other side");
+        assert_eq!(light.at(&below(under_fine), true), light.at(&below(under_fine), false));
+        assert!(light.at(&below(under_fine), true) != Mat3A::ZERO);
+        assert_eq!(light.at(&FunctionPlace::new(under_fine, Vec3::Y), true), Mat3A::ZERO, "the other side");
     }
 
     #[test]
     fn views_show_a_level_a_function_and_the_points_that_carry_light() {
         let light = light();
-        let down = [Vec3::NEG_Y; 2];
-        let part = |level, x: f32| light.level_part(level, Vec3::new(x, 0.0, 2.0), down);
+        let part = |level, x: f32| light.level_part(level, &below(Vec3::new(x, 0.0, 2.0)), Vec3::NEG_Y);
         let third = 1.0 / std::f32::consts::PI;
         assert!((part(1, 2.0).x * 0.0 + part(1, 1.0).z).is_finite());
         // Coefficients are multiples of the identity: only the green channel receives light, against the axis.
         let green = luminance(Vec3::Y);
-        assert!((light.level_part(0, Vec3::ZERO, down).z - 2.0 * green * third).abs() < 1e-6, "2, from below");
+        assert!(
+            (light.level_part(0, &below(Vec3::ZERO), Vec3::NEG_Y).z - 2.0 * green * third).abs() < 1e-6,
+            "2, from below"
+        );
         assert!(part(1, 2.0).x > 0.0 && part(1, 2.0).z == 0.0, "-3 adds");
         assert_eq!(part(2, 2.0), Vec3::ZERO, "beyond the last level");
-        let value = |function, x: f32| light.function_value(function, Vec3::new(x, 0.0, 2.0), Vec3::NEG_Y);
+        let value = |function, x: f32| light.function_value(function, &below(Vec3::new(x, 0.0, 2.0)));
         assert!((value(2, 1.4) + value(3, 1.4) - 1.0).abs() < 1e-6 && value(2, 1.4) < value(3, 1.4));
         assert!(value(2, 0.0) == 0.0 && value(9, 2.0) == 0.0, "out of reach, and none such");
-        let level = |x: f32, z: f32| light.marked_level(Vec3::new(x, 0.0, z), Vec3::NEG_Y);
+        let level = |x: f32, z: f32| light.marked_level(&below(Vec3::new(x, 0.0, z)));
         assert_eq!([level(2.0, 2.0), level(0.0, 0.0), level(1.5, 2.0)], [Some(1), Some(0), None]);
-        assert_eq!(light.marked_level(Vec3::Y * 50.0, Vec3::NEG_Y), None, "its coefficient is zero");
+        assert_eq!(light.marked_level(&below(Vec3::Y * 50.0)), None, "its coefficient is zero");
     }
 
     #[test]
