@@ -39,7 +39,7 @@ pub use bake::{
 };
 pub use bake::{most_vertices, tessellation_units};
 pub use errors::{BakeError, CheckpointError, CutsOf, ManifestError, PointsError, SettingsError, ShardError};
-pub use meshless::meshless_bake;
+pub use meshless::{meshless_bake, points::place_basis};
 pub use object_bases::place_object_bases;
 pub use observer::{Event, Observer, Phase, Silent};
 pub use setting::{Naming, Setting};

@@ -1,6 +1,7 @@
 //! Errors of each solution of bounced light against light paths.
 
 pub mod light_paths;
+pub mod resolve;
 
 use anyhow::Result;
 use lapidary_core::image::Image;

@@ -1,10 +1,11 @@
 //! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), errors by bake settings, and the figures of
-//! implicit visibility, measured anew. The page and the file of figures are rewritten after each figure.
+//! the meshless basis, of implicit visibility and of meshless radiosity, measured anew. The page and the file of figures are rewritten after each figure.
 
 mod cases;
 mod clusters;
 mod cube_map;
 mod cut_sizes;
+mod functions;
 mod haar;
 mod implicit;
 mod ladders;
@@ -58,7 +59,16 @@ pub struct EvidenceArgs {
 impl EvidenceArgs {
     /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
-        let names = [notebook::PAGE, notebook::FIGURES, "fig5-*.png", "fig7-*.png", "implicit-*.png", "*-bounces.cuts"];
+        let names = [
+            notebook::PAGE,
+            notebook::FIGURES,
+            "fig5-*.png",
+            "fig7-*.png",
+            "implicit-*.png",
+            "functions-*.png",
+            "*-bounces.cuts",
+            "*-functions.cuts",
+        ];
         let environment = Some(file_and_layer(Path::new(&self.env)).0).filter(|path| path.is_file());
         CommandFiles::default().reads(environment).reads(&self.scenes).reads(&self.data).fills(&self.out, names)
     }
@@ -124,6 +134,7 @@ impl Measurement<'_> {
             self.steps.begin("errors against beta, sigma, lights and vertices");
             sweeps::record(self, case, bakes, truth, notebook)?;
         }
+        functions::record(self, cases, notebook)?;
         implicit::record(self, cases, notebook)
     }
 }

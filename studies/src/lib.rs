@@ -23,4 +23,5 @@ pub mod report;
 pub mod sequence;
 pub mod sheet;
 pub mod terminal;
+mod timing;
 pub mod values;

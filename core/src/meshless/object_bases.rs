@@ -25,22 +25,31 @@ pub enum RayEnd {
     Surface(Surfel),
 }
 
-/// A surface that carries functions.
+/// A surface that carries functions. By itself it stands still, and each ray that meets none of it sees the sky.
 pub trait Carrier: Surface {
     /// The ends of rays from one origin off any surface.
-    fn ends(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[RayEnd; 8]>;
+    fn ends(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[RayEnd; 8]> {
+        let end = |hit: Option<Surfel>| hit.map_or(RayEnd::Sky, RayEnd::Surface);
+        self.first_hits(origin, directions).into_iter().map(|eight| eight.map(end)).collect()
+    }
 
     /// The side of a part of an object that a point of the surface belongs to.
     fn owner(&self, at: &Surfel) -> Owner;
 
     /// A point of the surface where it was as baked.
-    fn as_baked(&self, at: &Surfel) -> Surfel;
+    fn as_baked(&self, at: &Surfel) -> Surfel {
+        *at
+    }
 
     /// A point of the surface as baked where it is now.
-    fn now(&self, as_baked: &Surfel) -> Surfel;
+    fn now(&self, as_baked: &Surfel) -> Surfel {
+        *as_baked
+    }
 
     /// The unit normal by which a point of the surface receives light.
-    fn shading_normal(&self, at: &Surfel) -> Vec3;
+    fn shading_normal(&self, at: &Surfel) -> Vec3 {
+        at.normal
+    }
 }
 
 /// What a function stands for.

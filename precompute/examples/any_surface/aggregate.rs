@@ -3,6 +3,7 @@
 use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
+    meshless::{Carrier, Owner},
     surfel::{Surface, Surfel},
 };
 
@@ -52,6 +53,13 @@ impl Surface for Aggregate {
 
     fn offset(&self) -> f32 {
         self.parts.iter().map(|part| part.offset()).fold(0.0, f32::max)
+    }
+}
+
+/// Each part carries functions of its own.
+impl Carrier for Aggregate {
+    fn owner(&self, at: &Surfel) -> Owner {
+        Owner { object: self.part_of(at) as u32, ..Owner::default() }
     }
 }
 

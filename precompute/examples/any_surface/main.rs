@@ -2,11 +2,12 @@
 //! through one meshless basis (after Fig. 6 of the meshless paper).
 //!
 //! Run with `cargo run --release -p lapidary-precompute --example any_surface -- --out DIR`. It writes `direct.png`,
-//! `indirect.png` and `full.png`. Nothing but [`lapidary_core::surfel::Surface`] ties the light transport to the scene.
+//! `indirect.png` and `full.png`. `--progressive` solves without links, and writes `bounce-1.png` and so on. Nothing but [`lapidary_core::surfel::Surface`] ties the light transport to the scene.
 
 mod aggregate;
 mod implicit;
 mod lamp;
+mod progressive;
 mod room;
 mod volume;
 
@@ -19,11 +20,12 @@ use lapidary_core::{
     camera::Camera,
     dataset::MeshlessSettings,
     image::Image,
-    meshless::{MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
+    meshless::{MeshlessBake, RadiositySettings, SenderSamples, Solution, SolveSettings, Solver, irradiance},
     surfel::{Surface, Surfel},
 };
 use lapidary_interchange::image;
-use lapidary_precompute::{Silent, meshless_bake};
+use lapidary_precompute::{Silent, meshless_bake, place_basis};
+use progressive::Progressive;
 use rayon::prelude::*;
 use std::{f32::consts::FRAC_1_PI, path::PathBuf, time::Instant};
 
@@ -39,6 +41,9 @@ struct Args {
     /// Levels of the basis
     #[arg(long, default_value_t = 4)]
     levels: usize,
+    /// Solve bounce by bounce without links, with a picture of each
+    #[arg(long)]
+    progressive: bool,
 }
 
 fn main() -> Result<()> {
@@ -48,39 +53,43 @@ fn main() -> Result<()> {
     let (scene, camera) = (scene(), camera());
     let start = Instant::now();
     let settings = MeshlessSettings { levels: args.levels, sender_levels: args.levels.min(3), ..Default::default() };
+    let lamp = Lamp::default();
+    let size = [args.width, args.width * 3 / 4];
+    let write = |name: &str, value: fn(&Shaded) -> Vec3, received: &Received| {
+        let pixel = |i: u32| value(&shade(&scene, &lamp, received, &camera, [i % size[0], i / size[0]], size));
+        let image = Image { size, pixels: (0..size[0] * size[1]).into_par_iter().map(pixel).collect() };
+        image::write(&image, &args.out.join(name))
+    };
+    let pictures = |received: &Received| -> Result<()> {
+        write("direct.png", |pixel| pixel.direct, received)?;
+        write("indirect.png", |pixel| pixel.indirect, received)?;
+        Ok(write("full.png", |pixel| pixel.direct + pixel.indirect, received)?)
+    };
+    if args.progressive {
+        let (basis, _) = place_basis(&scene, camera.eye, &settings, &Silent)?;
+        println!("{} functions, {:.1} s", basis.len(), start.elapsed().as_secs_f32());
+        let mut solver = Progressive::new(&basis, &scene, &lamp, RadiositySettings::DEFAULT)?;
+        for bounce in 1.. {
+            let has_more = solver.bounce();
+            println!("bounce {bounce}: {} gathers, {:.1} s", solver.gathers(), start.elapsed().as_secs_f32());
+            write(&format!("bounce-{bounce}.png"), |pixel| pixel.indirect, &|at| solver.at(at))?;
+            if !has_more {
+                break;
+            }
+        }
+        return pictures(&|at| solver.at(at));
+    }
     let (bake, report) = meshless_bake(&scene, camera.eye, &settings, &Silent)?;
     println!("{} functions, {} links, {:.1} s", bake.basis.len(), report.links, start.elapsed().as_secs_f32());
-    let lamp = Lamp::default();
     let solution = indirect(&bake, &scene, &lamp, SolveSettings::default());
     for (bounce, mean) in solution.mean_irradiance.iter().enumerate() {
         println!("mean irradiance after {bounce} bounces: {:.4} {:.4} {:.4}", mean.x, mean.y, mean.z);
     }
-    let coefficients = solution.coefficients;
-    let size = [args.width, args.width * 3 / 4];
-    let pixels: Vec<Shaded> = (0..size[0] * size[1])
-        .into_par_iter()
-        .map(|i| {
-            shade(
-                &bake,
-                &scene,
-                &lamp,
-                &coefficients,
-                &camera,
-                Vec2::new((i % size[0]) as f32, (i / size[0]) as f32),
-                size,
-            )
-        })
-        .collect();
-    let picture = |value: fn(&Shaded) -> Vec3| Image { size, pixels: pixels.iter().map(value).collect() };
-    for (name, image) in [
-        ("direct.png", picture(|p| p.direct)),
-        ("indirect.png", picture(|p| p.indirect)),
-        ("full.png", picture(|p| p.direct + p.indirect)),
-    ] {
-        image::write(&image, &args.out.join(name))?;
-    }
-    Ok(())
+    pictures(&|at| indirect_at(&bake, &solution.coefficients, at))
 }
+
+/// Bounced irradiance at a surface point in W/m².
+type Received<'a> = dyn Fn(&Surfel) -> Vec3 + Sync + 'a;
 
 /// A room of triangles, an implicit pot, and foliage as an isosurface of a volume.
 fn scene() -> Aggregate {
@@ -114,21 +123,20 @@ struct Shaded {
 
 /// The mean of four rays through a pixel.
 fn shade(
-    bake: &MeshlessBake,
     scene: &Aggregate,
     lamp: &Lamp,
-    coefficients: &[Mat3A],
+    received: &Received,
     camera: &Camera,
-    pixel: Vec2,
+    pixel: [u32; 2],
     size: [u32; 2],
 ) -> Shaded {
-    let mut sum = Shaded::default();
+    let (mut sum, pixel) = (Shaded::default(), Vec2::from(pixel.map(|i| i as f32)));
     for k in 0..4 {
         let within = Vec2::new((k % 2) as f32, (k / 2) as f32) * 0.5 + 0.25;
         let Some(hit) = scene.first_hit(camera.eye, camera.direction_through(pixel + within, size)) else { continue };
         let reflected = scene.reflectance(&hit) * (0.25 * FRAC_1_PI);
         sum.direct += reflected * lamp.irradiance(scene, &hit);
-        sum.indirect += reflected * indirect_at(bake, coefficients, &hit);
+        sum.indirect += reflected * received(&hit);
     }
     sum
 }
@@ -157,20 +165,16 @@ mod tests {
         (0..RAYS).filter_map(sent).sum::<Vec3>() * (PI / RAYS as f32)
     }
 
-    #[test]
-    fn each_kind_of_surface_gets_the_light_that_rays_find() {
-        let (scene, camera, lamp) = (scene(), camera(), Lamp::default());
-        let settings = MeshlessSettings { levels: 4, sender_levels: 3, rays: 128, ..Default::default() };
-        let (bake, _) = meshless_bake(&scene, camera.eye, &settings, &Silent).expect("a bake");
-        let once = SolveSettings { bounces: 1, ..Default::default() };
-        let coefficients = indirect(&bake, &scene, &lamp, once).coefficients;
+    /// Checks one bounce at places of each part that the camera sees.
+    fn assert_is_what_rays_find(scene: &Aggregate, lamp: &Lamp, received: &Received) {
+        let camera = camera();
         let mut of_part = [const { Vec::<(f32, f32)>::new() }; 3];
         for pixel in 0..48 * 36 {
             let direction = camera.direction_through(Vec2::new((pixel % 48) as f32, (pixel / 48) as f32), [48, 36]);
             let Some(hit) = scene.first_hit(camera.eye, direction) else { continue };
             let seen = &mut of_part[scene.part_of(&hit)];
             if seen.len() < 60 {
-                seen.push((gathered(&scene, &lamp, &hit).y, indirect_at(&bake, &coefficients, &hit).y));
+                seen.push((gathered(scene, lamp, &hit).y, received(&hit).y));
             }
         }
         let error = |pairs: &[(f32, f32)], scale: f32| {
@@ -182,5 +186,33 @@ mod tests {
             assert!(error(pairs, 1.0) < 0.2, "{part}: {}", error(pairs, 1.0));
             assert!(error(pairs, 1.5) > 0.3, "negative control, too much light: {part} {}", error(pairs, 1.5));
         }
+    }
+
+    fn settings() -> MeshlessSettings {
+        MeshlessSettings { levels: 4, sender_levels: 3, rays: 128, ..Default::default() }
+    }
+
+    #[test]
+    fn each_kind_of_surface_gets_the_light_that_rays_find() {
+        let (scene, lamp) = (scene(), Lamp::default());
+        let (bake, _) = meshless_bake(&scene, camera().eye, &settings(), &Silent).expect("a bake");
+        let once = SolveSettings { bounces: 1, ..Default::default() };
+        let coefficients = indirect(&bake, &scene, &lamp, once).coefficients;
+        assert_is_what_rays_find(&scene, &lamp, &|at| indirect_at(&bake, &coefficients, at));
+    }
+
+    #[test]
+    fn the_first_bounce_without_links_is_what_rays_find_and_further_ones_add_to_it() {
+        let (scene, lamp) = (scene(), Lamp::default());
+        let (basis, _) = place_basis(&scene, camera().eye, &settings(), &Silent).unwrap();
+        let mut solver = Progressive::new(&basis, &scene, &lamp, RadiositySettings::DEFAULT).unwrap();
+        assert!(solver.bounce());
+        assert_is_what_rays_find(&scene, &lamp, &|at| solver.at(at));
+        let sum = |solver: &Progressive| basis.points().iter().map(|at| solver.at(at).y).sum::<f32>();
+        let (once, mut bounces) = (sum(&solver), 1);
+        while solver.bounce() {
+            bounces += 1;
+        }
+        assert!(bounces > 2 && sum(&solver) > 1.2 * once, "{bounces} {} {once}", sum(&solver));
     }
 }

@@ -13,13 +13,13 @@ use crate::{
     args::{LocalLightArgs, ViewArgs},
     outputs::CommandFiles,
     terminal::{Console, Outcome},
+    timing::median,
 };
 use against::AgainstArgs;
 use anyhow::Result;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use json::JsonArgs;
 use passes::PassesArgs;
-use std::time::Duration;
 
 /// Options for the picture of a dataset, by name or by group.
 const PICTURE: [&str; 8] = [
@@ -107,12 +107,6 @@ pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
         false => implicit::run(&args.surfels, &args.passes, &viewed.baked.dataset, &args.json)?,
     }
     Ok(Outcome::Done)
-}
-
-/// Median in milliseconds; the upper one of an even number.
-fn median(mut times: Vec<Duration>) -> f64 {
-    times.sort_unstable();
-    1e3 * times[times.len() / 2].as_secs_f64()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use glam::Vec3;
 use lapidary_core::{
     cut::CutCriterion,
-    dataset::{BakeParts, BakeSettings, Dataset},
+    dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings},
     light_tree::TreeKind,
     ray::OPEN,
     scene::Scene,
@@ -83,6 +83,8 @@ pub struct Case {
     pub environment: Option<Bakes>,
     /// Its bake for the bounce of its local lights, if any.
     pub bounces: Option<Arc<Dataset>>,
+    /// Its bake for their bounces in functions, of the scene and of its objects.
+    pub functions: Option<Arc<Dataset>>,
 }
 
 /// Bakes of one scene over trees of different metrics.
@@ -114,10 +116,13 @@ impl Measurement<'_> {
         self.steps.begin(&format!("baking {}", plan.name));
         let context = || format!("cannot measure the scene {}", plan.path.display());
         let environment = self.environment_bakes(&plan.scene).with_context(context)?;
-        let bounces =
-            if plan.scene.lights.is_empty() { None } else { Some(self.bounce_bake(&plan).with_context(context)?) };
+        let is_lit = !plan.scene.lights.is_empty();
+        let of = |mode: BakeParts, name: &str| self.bounce_bake(&plan, mode, name).with_context(context);
+        let bounces = is_lit.then(|| of(BakeParts::INDIRECT, "bounces")).transpose()?;
+        let in_functions = BakeParts::MESHLESS.with(BakeParts::RADIOSITY);
+        let functions = is_lit.then(|| of(in_functions, "functions")).transpose()?;
         self.steps.reporter.finish();
-        Ok(Case { name: plan.name, scene: plan.scene, environment, bounces })
+        Ok(Case { name: plan.name, scene: plan.scene, environment, bounces, functions })
     }
 
     fn environment_bakes(&self, scene: &Scene) -> Result<Option<Bakes>> {
@@ -144,20 +149,22 @@ impl Measurement<'_> {
         CutCriterion { sigma: super::MeasurementScale::sigma_for(lights), ..Default::default() }
     }
 
-    fn bounce_bake(&self, plan: &Plan) -> Result<Arc<Dataset>> {
+    fn bounce_bake(&self, plan: &Plan, mode: BakeParts, name: &str) -> Result<Arc<Dataset>> {
         let normal = Preset::Normal.settings();
         let job = BakeJob {
             settings: precompute::resolve(BakeSettings {
                 lights: self.scale.lights,
                 max_vertices: Some(room_in(&plan.scene, self.scale.bounce_vertices)),
-                mode: BakeParts::INDIRECT,
-                indirect: lapidary_core::dataset::IndirectSettings { sources: self.scale.sources, ..normal.indirect },
+                mode,
+                indirect: IndirectSettings { sources: self.scale.sources, ..normal.indirect },
+                meshless: self.scale.meshless_settings(),
+                object_bases: self.scale.object_bases,
                 pilot_clusters: self.scale.pilot_clusters,
                 ..normal
             })?,
             poses: Default::default(),
             clip_time: None,
-            output: self.out.join(format!("{}-bounces.cuts", plan.name)),
+            output: self.out.join(format!("{}-{name}.cuts", plan.name)),
             inputs: Vec::new(),
             chunks: None,
             resume: false,

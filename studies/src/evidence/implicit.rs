@@ -42,16 +42,17 @@ fn dragged(cases: &[Case]) -> Option<(&Case, Dragged)> {
 }
 
 /// An object dragged by half its width.
-struct Dragged {
+pub struct Dragged {
     object: u32,
-    name: String,
+    /// Its name.
+    pub name: String,
     /// Width along X in meters.
     width: f32,
 }
 
 impl Dragged {
     /// The short block, or else the last object with a width. `None` for a scene with one object.
-    fn of(scene: &Scene) -> Option<Self> {
+    pub fn of(scene: &Scene) -> Option<Self> {
         let objects = Objects::of(scene);
         let width = |object: u32| {
             let places = objects.vertices(object).iter().map(|&vertex| scene.mesh.positions[vertex as usize]);
@@ -70,7 +71,7 @@ impl Dragged {
     }
 
     /// Pose after a share of the drag.
-    fn poses(&self, share: f32) -> Poses {
+    pub fn poses(&self, share: f32) -> Poses {
         let mut poses = Poses::default();
         poses.set(self.object, Pose { translate: Vec3::NEG_X * 0.5 * self.width * share, ..Pose::AS_BAKED });
         poses
@@ -79,7 +80,7 @@ impl Dragged {
 
 impl Measurement<'_> {
     /// `spp` light paths per pixel through the posed scene of a look.
-    fn posed_paths(&self, baked: &Baked, look: &Look, bounces: u32, spp: u32) -> Result<PathPicture> {
+    pub fn posed_paths(&self, baked: &Baked, look: &Look, bounces: u32, spp: u32) -> Result<PathPicture> {
         self.steps.check()?;
         let progress = self.steps.progress("light paths", "passes");
         let posed = baked.posed(&look.poses).context("the object cannot be posed this way")?;

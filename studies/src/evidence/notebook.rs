@@ -119,7 +119,11 @@ impl<'a> Notebook<'a> {
                     " (SIGGRAPH Asia 2008), measured anew with this program, and the error against what a bake is set to; then those \
                      of Dong, Kautz, Theobalt and Seidel, "
                     em { "Interactive Global Illumination Using Implicit Visibility" }
-                    " (Pacific Graphics 2007). All numbers are in " a href="evidence.json" { "evidence.json" } "."
+                    " (Pacific Graphics 2007), of Lehtinen et al., "
+                    em { "A Meshless Hierarchical Representation for Light Transport" }
+                    " (SIGGRAPH 2008), and of Zollhöfer and Stamminger, "
+                    em { "Meshless Radiosity on the GPU" }
+                    " (2011). All numbers are in " a href="evidence.json" { "evidence.json" } "."
                 }
             }
         };

@@ -1,5 +1,6 @@
 //! Sizes of the measurements.
 
+use lapidary_core::dataset::{MeshlessSettings, ObjectBasesSettings};
 use serde::Serialize;
 
 /// Sizes of all measurements.
@@ -15,6 +16,10 @@ pub struct MeasurementScale {
     pub sources: usize,
     /// Most vertices of scenes with local lights; as for `max_vertices`.
     pub bounce_vertices: usize,
+    /// Levels of the meshless basis, and those of them that send.
+    pub basis_levels: [usize; 2],
+    /// Functions of objects.
+    pub object_bases: ObjectBasesSettings,
     /// Pixels of pictures compared with references.
     pub view: [u32; 2],
     /// Pixels of timed pictures; the paper's are 640 x 480.
@@ -57,6 +62,8 @@ impl MeasurementScale {
         max_vertices: 50_000,
         sources: 8192,
         bounce_vertices: 20_000,
+        basis_levels: [5, 3],
+        object_bases: ObjectBasesSettings { functions: 150_000, levels: 6, sender_level: 4 },
         view: [160, 120],
         frame: [640, 480],
         frames: 3,
@@ -82,6 +89,8 @@ impl MeasurementScale {
         max_vertices: 800,
         sources: 256,
         bounce_vertices: 400,
+        basis_levels: [3, 2],
+        object_bases: ObjectBasesSettings { functions: 600, levels: 3, sender_level: 1 },
         view: [32, 24],
         frame: [48, 36],
         frames: 1,
@@ -99,6 +108,12 @@ impl MeasurementScale {
         drag_steps: 2,
         drag_spp: 16,
     };
+
+    /// The meshless basis of a bake.
+    pub fn meshless_settings(&self) -> MeshlessSettings {
+        let [levels, sender_levels] = self.basis_levels;
+        MeshlessSettings { levels, sender_levels, ..MeshlessSettings::default() }
+    }
 
     /// The error bound equivalent to sigma 2 at the paper's 32,768 lights: Eq. 5 bounds the number of lights times their variance.
     pub fn sigma_for(lights: usize) -> f32 {
