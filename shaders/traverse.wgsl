@@ -14,7 +14,7 @@ struct BoxNode {
 // Nine numbers per triangle.
 @group(0) @binding(1) var<storage, read> corners: array<f32>;
 
-// Most waiting nodes: one per level.
+// Most waiting nodes: one per level, and one more where both children of a node wait.
 const MOST_LEVELS: u32 = 64u;
 
 fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {
@@ -22,8 +22,9 @@ fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {
     return vec3(corners[at], corners[at + 1u], corners[at + 2u]);
 }
 
-// Whether a ray crosses a triangle. A ray from its plane never does.
-fn crosses(triangle: u32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
+// How far a ray lies within each edge of a triangle, seen from its origin; and, as w, how far the origin lies off its plane: 0 for a
+// ray from its plane, above 0 behind it.
+fn crossing(triangle: u32, origin: vec3<f32>, direction: vec3<f32>) -> vec4<f32> {
     let p = corner_of(triangle, 0u);
     let q = corner_of(triangle, 1u);
     let r = corner_of(triangle, 2u);
@@ -35,17 +36,27 @@ fn crosses(triangle: u32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
     let u = facing * ordered_dot(cross(b, c), direction);
     let v = facing * ordered_dot(cross(c, a), direction);
     let w = facing * ordered_dot(cross(a, b), direction);
-    return side != 0.0 && u >= 0.0 && v >= 0.0 && w >= 0.0;
+    return vec4(u, v, w, side);
+}
+
+// Whether a ray crosses a triangle. A ray from its plane never does.
+fn crosses(at: vec4<f32>) -> bool {
+    return at.w != 0.0 && all(at.xyz >= vec3(0.0));
 }
 
 fn enters(node: u32, origin: vec3<f32>, inverse: vec3<f32>) -> bool {
+    return enters_before(node, origin, inverse, 3.4e38);
+}
+
+// Whether a ray enters a box before some distance.
+fn enters_before(node: u32, origin: vec3<f32>, inverse: vec3<f32>, distance: f32) -> bool {
     let a = (nodes[node].low - origin) * inverse;
     let b = (nodes[node].high - origin) * inverse;
     let near = min(a, b);
     let far = max(a, b);
     let entry = max(max(near.x, near.y), max(near.z, 0.0));
     let leave = min(min(far.x, far.y), far.z);
-    return entry <= leave * (1.0 + 1e-6);
+    return entry <= min(leave * (1.0 + 1e-6), distance);
 }
 
 // One over each component, kept finite so that zero times it is zero.
@@ -69,7 +80,7 @@ fn is_occluded(origin: vec3<f32>, direction: vec3<f32>) -> bool {
         var next = 0u;
         if triangles > 0u {
             for (var i = 0u; i < triangles; i++) {
-                if crosses(first + i, origin, direction) {
+                if crosses(crossing(first + i, origin, direction)) {
                     return true;
                 }
             }
@@ -99,4 +110,61 @@ fn is_occluded(origin: vec3<f32>, direction: vec3<f32>) -> bool {
         node = next;
     }
     return false;
+}
+
+// The first hit of a ray.
+struct FirstHit {
+    // The triangle plus 1; 0 if there is none.
+    triangle: u32,
+    distance: f32,
+    // Weights of the second and the third corner.
+    barycentric: vec2<f32>,
+    is_back: bool,
+}
+
+const NO_HIT: FirstHit = FirstHit(0u, 3.4e38, vec2(0.0), false);
+
+// The nearer of a known hit and that on a triangle. Twin of `TriangleFrom::hit`.
+fn nearer_hit(known: FirstHit, triangle: u32, origin: vec3<f32>, direction: vec3<f32>) -> FirstHit {
+    let at = crossing(triangle, origin, direction);
+    if !crosses(at) {
+        return known;
+    }
+    let p = corner_of(triangle, 0u);
+    let normal = cross(corner_of(triangle, 1u) - p, corner_of(triangle, 2u) - p);
+    let sum = at.x + at.y + at.z;
+    let distance = dot(p - origin, normal) / dot(direction, normal);
+    if sum > 0.0 && distance > 0.0 && distance < known.distance {
+        return FirstHit(triangle + 1u, distance, at.yz / sum, at.w > 0.0);
+    }
+    return known;
+}
+
+fn first_hit(origin: vec3<f32>, direction: vec3<f32>) -> FirstHit {
+    let inverse = inverse_of(direction);
+    var hit = NO_HIT;
+    var waiting: array<u32, MOST_LEVELS>;
+    waiting[0] = 0u;
+    var count = 1u;
+    while count > 0u {
+        count--;
+        let node = waiting[count];
+        if !enters_before(node, origin, inverse, hit.distance) {
+            continue;
+        }
+        let first = nodes[node].first;
+        let triangles = nodes[node].triangles;
+        for (var i = 0u; i < triangles; i++) {
+            hit = nearer_hit(hit, first + i, origin, direction);
+        }
+        if triangles == 0u {
+            let along = nodes[first + 1u].low + nodes[first + 1u].high - nodes[first].low - nodes[first].high;
+            let is_other_near = dot(along, direction) < 0.0;
+            // The nearer is taken first.
+            waiting[count] = select(first + 1u, first, is_other_near);
+            waiting[count + 1u] = select(first, first + 1u, is_other_near);
+            count += 2u;
+        }
+    }
+    return hit;
 }

@@ -5,22 +5,38 @@ use crate::{
     bounds::Bounds,
     mesh::Mesh,
     meshless::{Carrier, Owner, RayEnd},
-    ray::Hit,
+    ray::{Fan, FanDevice, Hit},
     surfel::{Surface, Surfel},
 };
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// A posed mesh with its baked one: the same triangles with other corners.
 #[derive(Clone, Copy)]
 pub struct CarryingMesh<'a> {
     as_baked: &'a Mesh,
     now: MeshSurface<'a>,
+    device: Option<&'a dyn FanDevice>,
 }
 
 impl<'a> CarryingMesh<'a> {
     /// `now` is the surface of the posed mesh.
     pub fn new(as_baked: &'a Mesh, now: MeshSurface<'a>) -> Self {
-        Self { as_baked, now }
+        Self { as_baked, now, device: None }
+    }
+
+    /// The same with rays of fans traced on a device that has the posed mesh.
+    #[must_use]
+    pub fn on_device(self, device: Option<&'a dyn FanDevice>) -> Self {
+        Self { device, ..self }
+    }
+
+    fn end(&self, hit: Option<Hit>) -> RayEnd {
+        let Some(hit) = hit else { return RayEnd::Sky };
+        match self.now.seen(hit) {
+            Some(at) => RayEnd::Surface(at),
+            None => RayEnd::Dark(self.now.mesh.surfel(hit.triangle, hit.barycentric, hit.back_face)),
+        }
     }
 }
 
@@ -48,14 +64,19 @@ impl Surface for CarryingMesh<'_> {
 
 impl Carrier for CarryingMesh<'_> {
     fn ends(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[RayEnd; 8]> {
-        let end = |hit: Option<Hit>| match hit {
-            None => RayEnd::Sky,
-            Some(hit) => match self.now.seen(hit) {
-                Some(at) => RayEnd::Surface(at),
-                None => RayEnd::Dark(self.now.mesh.surfel(hit.triangle, hit.barycentric, hit.back_face)),
-            },
-        };
-        self.now.intersector.closest_hits(origin, directions).into_iter().map(|eight| eight.map(end)).collect()
+        let hits = self.now.intersector.closest_hits(origin, directions);
+        hits.into_iter().map(|eight| eight.map(|hit| self.end(hit))).collect()
+    }
+
+    fn ends_of_fans(&self, fans: &[Fan], directions: &[Vec3]) -> Option<Vec<RayEnd>> {
+        let hits = self.device?.first_hits(fans).ok()?;
+        let ends = hits.into_par_iter().enumerate().map(|(ray, hit)| {
+            let fan = &fans[ray / directions.len()];
+            let direction = || fan.frame * directions[ray % directions.len()];
+            let rays = self.now.intersector;
+            self.end(if rays.has_veils() { rays.with_thin_surfaces(hit, fan.origin, direction()) } else { hit })
+        });
+        Some(ends.collect())
     }
 
     fn owner(&self, at: &Surfel) -> Owner {

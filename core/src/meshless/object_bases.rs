@@ -7,6 +7,7 @@ use super::{FunctionPlace, Functions};
 use crate::{
     mesh::Mesh,
     meshless::BasisError,
+    ray::Fan,
     sparse::SparseRows,
     surfel::{Surface, Surfel},
     transport::Coefficient,
@@ -31,6 +32,11 @@ pub trait Carrier: Surface {
     fn ends(&self, origin: Vec3, directions: &[[Vec3; 8]]) -> Vec<[RayEnd; 8]> {
         let end = |hit: Option<Surfel>| hit.map_or(RayEnd::Sky, RayEnd::Surface);
         self.first_hits(origin, directions).into_iter().map(|eight| eight.map(end)).collect()
+    }
+
+    /// The ends of the rays of several fans at once, fan by fan, if a device traces them.
+    fn ends_of_fans(&self, _fans: &[Fan], _directions: &[Vec3]) -> Option<Vec<RayEnd>> {
+        None
     }
 
     /// The side of a part of an object that a point of the surface belongs to.

@@ -13,6 +13,7 @@ use super::{
 };
 use crate::{
     gather_table::{GatherHit, GatherTable, RayFan},
+    ray::Fan,
     sparse::SparseRows,
     surfel::Surfel,
     transport::BounceEnergy,
@@ -20,7 +21,7 @@ use crate::{
 use follow::Moves;
 use glam::{Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
-use std::f32::consts::FRAC_1_PI;
+use std::{collections::HashMap, f32::consts::FRAC_1_PI};
 use transport::{Sent, Transport};
 
 /// How light is gathered.
@@ -125,6 +126,11 @@ impl Radiosity {
     /// The functions.
     pub fn bases(&self) -> &ObjectBases {
         &self.bases
+    }
+
+    /// Directions of the rays of each receiver, before they are turned.
+    pub fn directions(&self) -> &[Vec3] {
+        self.fan.directions()
     }
 
     /// The rays that are kept.
@@ -255,8 +261,19 @@ impl Radiosity {
     fn row(&self, surface: &dyn Carrier, function: u32) -> Box<[GatherHit]> {
         let fan = self.placed(surface, function);
         let eights: Vec<[Vec3; 8]> =
-            self.fan.directions().as_chunks().0.iter().map(|eight| fan.directions(eight)).collect();
+            self.fan.directions().as_chunks().0.iter().map(|eight| fan.turned(eight)).collect();
         self.hits(surface, fan.origin, &eights).collect()
+    }
+
+    /// The rays of some functions, if a device traces them.
+    fn rows_at_once(&self, surface: &dyn Carrier, functions: &[u32]) -> Option<HashMap<u32, Box<[GatherHit]>>> {
+        let fans: Vec<Fan> = functions.iter().map(|&function| self.placed(surface, function)).collect();
+        let ends = surface.ends_of_fans(&fans, self.fan.directions())?;
+        let rows = functions.par_iter().zip(&fans).zip(ends.par_chunks(self.fan.directions().len()));
+        let row = |((&function, fan), ends): ((&u32, &Fan), &[RayEnd])| {
+            (function, ends.iter().map(|end| self.hit(surface, fan.origin, *end)).collect())
+        };
+        Some(rows.map(row).collect())
     }
 
     /// The ends of rays of an origin.
@@ -266,7 +283,12 @@ impl Radiosity {
         origin: Vec3,
         directions: &[[Vec3; 8]],
     ) -> impl Iterator<Item = GatherHit> + 'a {
-        let end = move |end: RayEnd| match end {
+        surface.ends(origin, directions).into_iter().flatten().map(move |end| self.hit(surface, origin, end))
+    }
+
+    /// The end of a ray with the sender that stands for it.
+    fn hit(&self, surface: &dyn Carrier, origin: Vec3, end: RayEnd) -> GatherHit {
+        match end {
             RayEnd::Sky => GatherHit::OPEN,
             RayEnd::Dark(at) => GatherHit::dark(surface.owner(&at).object, at.position.distance(origin)),
             RayEnd::Surface(at) => {
@@ -276,28 +298,12 @@ impl Radiosity {
                     None => GatherHit::dark(owner.object, distance),
                 }
             }
-        };
-        surface.ends(origin, directions).into_iter().flatten().map(end)
-    }
-
-    fn placed(&self, surface: &dyn Carrier, function: u32) -> Placed {
-        let point = surface.now(&self.bases.points()[function as usize]);
-        Placed {
-            origin: point.position + point.normal * surface.offset(),
-            frame: RayFan::frame(function, point.normal),
         }
     }
-}
 
-/// Where a receiver's rays begin, and how its fan is turned.
-struct Placed {
-    origin: Vec3,
-    frame: glam::Mat3,
-}
-
-impl Placed {
-    fn directions(&self, fan: &[Vec3; 8]) -> [Vec3; 8] {
-        fan.map(|direction| self.frame * direction)
+    fn placed(&self, surface: &dyn Carrier, function: u32) -> Fan {
+        let point = surface.now(&self.bases.points()[function as usize]);
+        Fan { origin: point.position + point.normal * surface.offset(), frame: RayFan::frame(function, point.normal) }
     }
 }
 

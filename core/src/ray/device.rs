@@ -1,7 +1,7 @@
 //! Rays traced on other devices than this machine's CPU.
 
-use super::{HalfSpace, Intersector};
-use glam::Vec3;
+use super::{HalfSpace, Hit, Intersector, veils::any_threshold};
+use glam::{Mat3, Vec3};
 
 /// A node of the hierarchy of boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,45 @@ pub trait RayDevices: Sync {
     fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String>;
 }
 
+/// Rays of one origin: the directions of a fan, turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fan {
+    /// Place in meters, off any surface.
+    pub origin: Vec3,
+    /// From the fan to the world.
+    pub frame: Mat3,
+}
+
+impl Fan {
+    /// Eight of its directions in the world.
+    pub fn turned(&self, directions: &[Vec3; 8]) -> [Vec3; 8] {
+        directions.map(|direction| self.frame * direction)
+    }
+}
+
+/// A scene and the directions of a fan on a device.
+pub trait FanDevice: Sync {
+    /// The first hits of the rays of fans on surfaces that let no light through, fan by fan and direction by direction. Equals
+    /// [`Intersector::closest_hits`] except for rays along edges, where a device may round differently.
+    ///
+    /// # Errors
+    /// A description of the device's failure.
+    fn first_hits(&self, fans: &[Fan]) -> Result<Vec<Option<Hit>>, String>;
+}
+
 impl Intersector {
+    /// The triangle of the mesh of a triangle in the order of the leaves, as in [`Self::hierarchy`].
+    pub fn triangle_of_leaf(&self, leaf: usize) -> u32 {
+        self.leaf_ids[leaf]
+    }
+
+    /// The first hit of a ray, from that on surfaces that let no light through: thin ones before it stop the ray by chance.
+    pub fn with_thin_surfaces(&self, hit: Option<Hit>, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let distance = hit.map_or(f32::INFINITY, |hit| hit.distance);
+        let nearer = self.nearer_veil(origin, direction, distance, any_threshold(origin, direction));
+        nearer.map(|(of, leaf, hit)| Hit { triangle: of.leaf_ids[leaf], ..hit }).or(hit)
+    }
+
     /// The hierarchy, its root first, and the corners of the triangles in the order of its leaves.
     pub fn hierarchy(&self) -> (Vec<BoxNode>, &[[Vec3; 3]]) {
         let node = |node: &obvhs::bvh2::node::Bvh2Node| BoxNode {

@@ -53,6 +53,14 @@ impl Compute {
         device.map_or(Self::Cores, Self::Device)
     }
 
+    /// Whether both are the cores, or the same device.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Device(one), Self::Device(other)) => Arc::ptr_eq(&one.gpu, &other.gpu),
+            (one, other) => matches!((one, other), (Self::Cores, Self::Cores)),
+        }
+    }
+
     /// The cores in place of a device that is emulated on them.
     pub(crate) fn unless_emulated(device: &SharedDevice) -> Self {
         if is_emulated(&device.gpu.info) { Self::Cores } else { Self::Device(device.clone()) }

@@ -30,6 +30,9 @@ bind_groups! {
     /// Rays from some origins.
     RayWork { rays: Uniform, directions: Storage, origins: Storage, open_words: Written }
 
+    /// Rays of fans from some origins.
+    FanWork { uniforms: Uniform, directions: Storage, fans: Storage, hits: Written }
+
     /// Leaves at positions of vertices.
     Leaves { positions: Storage, riders: Storage, discs: Written }
 
@@ -83,6 +86,10 @@ bind_groups! {
 /// core/src/ray/batch.rs.
 pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "rays_pass"]] };
 
+/// First hits of the rays of receivers. Its groups are [`Hierarchy`] and [`FanWork`]: it runs in no slices. Twin of
+/// `Intersector::closest_hits` in core/src/ray/closest.rs.
+pub const FANS: Program = Program { name: "fans_pass", parts: [&[], &["ordered", "traverse", "fans_pass"]] };
+
 /// What kernels of implicit visibility begin with.
 const FOREST: &[&str] = &["slice", "ordered", "forest"];
 
@@ -126,5 +133,5 @@ pub const SLICED: [KernelProgram; 7] =
 /// All texts of one compute step.
 #[cfg(test)]
 pub fn programs() -> impl Iterator<Item = Program> {
-    SLICED.into_iter().map(|kernel| kernel.program).chain([RAYS])
+    SLICED.into_iter().map(|kernel| kernel.program).chain([RAYS, FANS])
 }

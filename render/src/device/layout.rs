@@ -179,6 +179,32 @@ pub struct RayOrigin {
     pub is_above: u32,
 }
 
+/// `FanUniforms` of `fans_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct FanUniforms {
+    pub directions: u32,
+}
+
+/// `Fan` of `fans_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Fan {
+    /// Columns, each padded to 16 bytes.
+    pub frame: [[f32; 4]; 3],
+    /// Padded to 16 bytes.
+    pub origin: [f32; 4],
+}
+
+/// `FanHit` of `fans_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct FanHit {
+    pub triangle: u32,
+    pub distance: f32,
+    pub barycentric: [f32; 2],
+}
+
 /// `Disc` of `forest.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -331,8 +357,6 @@ pub struct BasisUniforms {
     pub shown_level: u32,
     pub shown_function: u32,
     pub of_objects: u32,
-    /// To a multiple of 16 bytes.
-    pub padding: [u32; 3],
 }
 
 /// `BasisFunction` of `meshless_pass.wgsl`.

@@ -3,12 +3,13 @@
 
 use super::{
     adapter::GpuDevice,
-    bindings::{Shaders, module},
+    bindings::{GroupLayout, Shaders, module},
     buffers::{storage, uniform},
     compute::{Compute, SharedDevice},
     kernels::{Hierarchy, RAYS, RayWork},
     layout,
     readback::read_words,
+    shaders::Program,
 };
 use crate::{error::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
@@ -40,7 +41,7 @@ impl GpuRays {
     /// # Errors
     /// A driver that refuses.
     pub fn on(device: &SharedDevice, is_asked_for: bool) -> Result<Self, BackendError> {
-        Ok(Self { is_asked_for, gpu: device.gpu.clone(), pipeline: pipeline(&device.gpu)? })
+        Ok(Self { is_asked_for, gpu: device.gpu.clone(), pipeline: pipeline(&device.gpu, &RAYS, &RayWork::LAYOUT)? })
     }
 
     /// The fastest adapter that is more than an emulation on the processor, if there is one that works. Scenes that it does not
@@ -51,8 +52,8 @@ impl GpuRays {
     }
 
     fn scene(&self, scene: &Intersector, directions: &[Vec3]) -> Result<GpuRayScene, BackendError> {
-        let hierarchy = self.hierarchy(scene)?;
         let gpu = &self.gpu;
+        let hierarchy = hierarchy(gpu, scene)?;
         let words = directions.len().div_ceil(32);
         let count = directions.len() as u32;
         let uniforms = layout::RayUniforms { directions: count, words: words as u32 };
@@ -72,24 +73,6 @@ impl GpuRays {
         let (gpu, pipeline, origins) = (self.gpu.clone(), self.pipeline.clone(), Mutex::new(origins));
         Ok(GpuRayScene { gpu, pipeline, hierarchy, work, origins, open, words, directions: count })
     }
-
-    /// The hierarchy of a scene, bound.
-    fn hierarchy(&self, scene: &Intersector) -> Result<wgpu::BindGroup, BackendError> {
-        let gpu = &self.gpu;
-        let (nodes, triangles) = scene.hierarchy();
-        gpu.within("the hierarchy", "levels", levels(&nodes) as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
-        let mut nodes: Vec<layout::BoxNode> = nodes.iter().map(packed).collect();
-        let mut corners: &[f32] = bytemuck::cast_slice(triangles);
-        if nodes.is_empty() {
-            // A buffer has contents: a triangle without an area, which no ray crosses.
-            (nodes, corners) = (vec![layout::BoxNode { triangles: 1, ..Zeroable::zeroed() }], &[0.0; 9]);
-        }
-        let bytes = size_of_val(corners).max(size_of_val(&nodes[..])) as u64;
-        gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
-        let nodes = storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes));
-        let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
-        Ok(Hierarchy { nodes: &nodes, corners: &corners }.bind(gpu))
-    }
 }
 
 impl RayDevices for GpuRays {
@@ -102,17 +85,39 @@ impl RayDevices for GpuRays {
     }
 }
 
-fn pipeline(gpu: &GpuDevice) -> Result<wgpu::ComputePipeline, BackendError> {
-    let groups = [Hierarchy::LAYOUT.on(gpu), RayWork::LAYOUT.on(gpu)];
+/// The hierarchy of a scene, bound.
+pub(super) fn hierarchy(gpu: &GpuDevice, scene: &Intersector) -> Result<wgpu::BindGroup, BackendError> {
+    let (nodes, triangles) = scene.hierarchy();
+    gpu.within("the hierarchy", "levels", levels(&nodes) as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
+    let mut nodes: Vec<layout::BoxNode> = nodes.iter().map(packed).collect();
+    let mut corners: &[f32] = bytemuck::cast_slice(triangles);
+    if nodes.is_empty() {
+        // A buffer has contents: a triangle without an area, which no ray crosses.
+        (nodes, corners) = (vec![layout::BoxNode { triangles: 1, ..Zeroable::zeroed() }], &[0.0; 9]);
+    }
+    let bytes = size_of_val(corners).max(size_of_val(&nodes[..])) as u64;
+    gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
+    let nodes = storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes));
+    let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
+    Ok(Hierarchy { nodes: &nodes, corners: &corners }.bind(gpu))
+}
+
+/// The pipeline of a program whose groups are [`Hierarchy`] and its work.
+pub(super) fn pipeline(
+    gpu: &GpuDevice,
+    program: &Program,
+    work: &GroupLayout,
+) -> Result<wgpu::ComputePipeline, BackendError> {
+    let groups = [Hierarchy::LAYOUT.on(gpu), work.on(gpu)];
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(RAYS.name),
+        label: Some(program.name),
         bind_group_layouts: &groups.each_ref().map(Some),
         immediate_size: 0,
     });
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(RAYS.name),
+        label: Some(program.name),
         layout: Some(&layout),
-        module: &module(gpu, &Shaders::default(), &RAYS)?,
+        module: &module(gpu, &Shaders::default(), program)?,
         entry_point: None,
         compilation_options: Default::default(),
         cache: None,

@@ -30,6 +30,7 @@ parts!(
     "display_pass",
     "distance_key",
     "environment",
+    "fans_pass",
     "first_part",
     "forest",
     "frame",

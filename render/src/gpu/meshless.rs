@@ -143,6 +143,5 @@ fn uniforms(light: &MeshlessLight, shown: BasisView) -> layout::BasisUniforms {
         shown_level: shown.level,
         shown_function: shown.function,
         of_objects: u32::from(of_objects),
-        padding: [0; 3],
     }
 }

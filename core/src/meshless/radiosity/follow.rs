@@ -62,12 +62,14 @@ impl Radiosity {
         }
     }
 
-    /// The rays of a function as they are now.
-    pub(super) fn renewed(&self, surface: &dyn Carrier, function: u32) -> Renewed {
-        match self.table.row(function) {
-            Some(_) if self.is_known(function) => Renewed::Kept,
-            Some(row) => self.traced_where_changed(surface, function, row),
-            None => Renewed::New(self.row(surface, function)),
+    /// The rays of a function as they are now; `traced` has them if a device traced them.
+    pub(super) fn renewed(&self, surface: &dyn Carrier, function: u32, traced: Option<&Box<[GatherHit]>>) -> Renewed {
+        match (self.table.row(function), traced) {
+            (Some(_), _) if self.is_known(function) => Renewed::Kept,
+            (Some(_), Some(traced)) => Renewed::Again(traced.clone(), traced.len() as u64),
+            (None, Some(traced)) => Renewed::New(traced.clone()),
+            (Some(row), None) => self.traced_where_changed(surface, function, row),
+            (None, None) => Renewed::New(self.row(surface, function)),
         }
     }
 
@@ -84,7 +86,7 @@ impl Radiosity {
             itself || eight.iter().zip(ends).any(|(&direction, end)| moved.changes(fan.origin, direction, end))
         };
         let (ends, directions) = (row.as_chunks::<8>().0, self.fan.directions().as_chunks::<8>().0);
-        let all = directions.iter().zip(ends).enumerate().map(|(i, (eight, ends))| (i, fan.directions(eight), ends));
+        let all = directions.iter().zip(ends).enumerate().map(|(i, (eight, ends))| (i, fan.turned(eight), ends));
         let stale: Vec<(usize, [Vec3; 8])> =
             all.filter(|(_, eight, ends)| is_stale(eight, ends)).map(|(i, eight, _)| (8 * i, eight)).collect();
         if stale.is_empty() {

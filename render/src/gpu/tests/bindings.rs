@@ -3,7 +3,7 @@
 use crate::{
     device::{
         Binding, GroupLayout, ModelSet, ShaderSource,
-        kernels::{self, Hierarchy, RAYS, RayWork, Slice},
+        kernels::{self, FANS, FanWork, Hierarchy, RAYS, RayWork, Slice},
         shaders::Program,
     },
     gpu::entries,
@@ -18,7 +18,8 @@ fn declared() -> Vec<(Program, Vec<GroupLayout>)> {
     let sliced = kernels::SLICED.map(|kernel| (kernel.program, [&[Slice::LAYOUT], kernel.groups].concat()));
     let drawing = entries::ALL.map(|entry| (entry.program, entry.groups.to_vec()));
     let rays = (RAYS, vec![Hierarchy::LAYOUT, RayWork::LAYOUT]);
-    sliced.into_iter().chain(drawing).chain([rays]).collect()
+    let fans = (FANS, vec![Hierarchy::LAYOUT, FanWork::LAYOUT]);
+    sliced.into_iter().chain(drawing).chain([rays, fans]).collect()
 }
 
 fn kind(module: &Module, variable: &naga::GlobalVariable) -> Option<Binding> {

@@ -4,6 +4,7 @@
 use super::{MeshlessLight, lit_points::LitPoints};
 use crate::{
     baked::Baked,
+    device::{Compute, GpuFans},
     light::{
         situation::{Changes, Relight, Situation},
         sky::SkyGrid,
@@ -15,6 +16,7 @@ use lapidary_core::{
     gather_table::GatherHit,
     mesh_surface::{CarryingMesh, MeshSurface},
     meshless::{LitFunctions, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep, irradiance},
+    ray::FanDevice,
     scene::{Mesh, pose::Poses},
     sources::Source,
     sparse::SparseRows,
@@ -47,6 +49,9 @@ pub struct RadiosityRig {
     light: Option<RadiosityLight>,
     /// Number of the present solution.
     begun: u64,
+    compute: Compute,
+    /// The posed scene on the device that traces its rays, if there is one that takes it.
+    on_device: Option<GpuFans>,
     /// Values of the functions at the surface sources, if the dataset has any; computed at the first use.
     at_sources: Option<SparseRows>,
 }
@@ -68,8 +73,10 @@ impl RadiosityRig {
         let owners = baked.dataset.scene.mesh.owners().into();
         let solver = Radiosity::new(bases, RadiositySettings::DEFAULT);
         let (as_baked, posed, sky) = (baked.clone(), baked.clone(), SkyGrid::new(None));
-        let poses = Poses::default();
-        Some(Self { as_baked, posed, poses, solver, lit, sky, owners, light: None, begun: 0, at_sources: None })
+        let (poses, compute) = (Poses::default(), Compute::Cores);
+        let (light, on_device, at_sources) = (None, None, None);
+        let begun = 0;
+        Some(Self { as_baked, posed, poses, solver, lit, sky, owners, light, begun, compute, on_device, at_sources })
     }
 
     /// The number of the present solution.
@@ -86,7 +93,7 @@ impl RadiosityRig {
 
     /// Goes on with the next bounce, for some tenths of a second at most.
     pub fn step(&mut self) -> RadiosityStep {
-        let Self { as_baked, posed, solver, lit, sky: sky_grid, light, .. } = self;
+        let Self { as_baked, posed, solver, lit, sky: sky_grid, light, on_device, .. } = self;
         let sky = |direction| sky_grid.radiance(direction);
         let lit = LitFunctions {
             direct: &lit.irradiance(),
@@ -94,7 +101,7 @@ impl RadiosityRig {
             emitted: lit.emission(),
             sky: sky_grid.shines().then_some(&sky),
         };
-        on_surface(as_baked, posed, |surface| match light {
+        on_surface((as_baked, posed), on_device.as_ref(), |surface| match light {
             Some(light) => solver.advance(surface, &lit, light, RECEIVERS_OF_A_STEP),
             none => {
                 *none = Some(solver.begin(surface, &lit));
@@ -150,16 +157,27 @@ impl RadiosityRig {
         let now = boxes(&scene.dataset.scene.mesh, &changed);
         (self.posed, self.poses, self.light) = (scene.clone(), poses.clone(), None);
         let Self { as_baked, posed, solver, lit, .. } = self;
-        let points = on_surface(as_baked, posed, |surface| {
+        let points = on_surface((as_baked, posed), None, |surface| {
             solver.follow(surface, &now, &left);
             solver.placed_points(surface)
         });
         lit.pose(posed, points);
+        self.take_to_device();
+    }
+
+    /// Takes the posed scene to the device. The cores trace what it does not take.
+    fn take_to_device(&mut self) {
+        let Compute::Device(device) = &self.compute else { return self.on_device = None };
+        self.on_device = GpuFans::new(device, self.posed.intersector(), self.solver.directions()).ok();
     }
 }
 
 impl Relight for RadiosityRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
+        if !self.compute.is_same(&situation.compute) {
+            self.compute = situation.compute.clone();
+            self.take_to_device();
+        }
         if changes.poses {
             self.pose(&situation.scene, &situation.poses);
         }
@@ -174,12 +192,17 @@ impl Relight for RadiosityRig {
 }
 
 /// Calls `act` with the posed surface.
-fn on_surface<T>(as_baked: &Baked, posed: &Baked, act: impl FnOnce(&CarryingMesh) -> T) -> T {
+fn on_surface<T>(
+    (as_baked, posed): (&Baked, &Baked),
+    device: Option<&GpuFans>,
+    act: impl FnOnce(&CarryingMesh) -> T,
+) -> T {
     let dataset = &posed.dataset;
     // Reflectance is that of the functions.
     let black = |_: &Surfel| Vec3::ZERO;
     let now = MeshSurface::new(&dataset.scene.mesh, posed.intersector(), &dataset.two_sided, &black);
-    act(&CarryingMesh::new(&as_baked.dataset.scene.mesh, now))
+    let device = device.map(|device| device as &dyn FanDevice);
+    act(&CarryingMesh::new(&as_baked.dataset.scene.mesh, now).on_device(device))
 }
 
 /// Boxes around some objects of a mesh, those that have triangles.
@@ -188,4 +211,65 @@ fn boxes(mesh: &Mesh, objects: &BTreeSet<u32>) -> BTreeMap<u32, Bounds> {
     let triangles: Vec<usize> = (0..mesh.triangles.len()).filter(|&t| objects.contains(&object(t))).collect();
     let present: BTreeSet<u32> = triangles.iter().map(|&triangle| object(triangle)).collect();
     present.into_iter().zip(mesh.bounds_by(triangles, object)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        device::{Room, SharedDevice, test_adapter::on_adapter},
+        light::bounce::meshless::functions::tests::with_functions_of_objects,
+        test_scenes::{linked_floor_and_wall, point_light},
+    };
+    use glam::Mat3A;
+    use lapidary_core::scene::{Object, pose::Pose};
+
+    /// The light of all bounces.
+    fn solved(rig: &mut RadiosityRig) -> Vec<Mat3A> {
+        while rig.step() != RadiosityStep::Last {}
+        rig.shown().unwrap().coefficients().to_vec()
+    }
+
+    fn difference(a: &[Mat3A], b: &[Mat3A]) -> f32 {
+        let length = |m: Mat3A| m.to_cols_array().iter().map(|x| x * x).sum::<f32>();
+        let apart: f32 = a.iter().zip(b).map(|(a, b)| length(*a - *b)).sum();
+        (apart / b.iter().map(|b| length(*b)).sum::<f32>()).sqrt()
+    }
+
+    #[test]
+    fn a_device_finds_the_light_of_the_cores_and_after_a_move_that_of_a_fresh_solution() {
+        let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+        let mut dataset = linked_floor_and_wall();
+        let scene = &mut dataset.scene;
+        for triangle in 0..scene.mesh.triangles.len() {
+            let is_floor = scene.mesh.area_vector(triangle).normalize().y.abs() > 0.5;
+            scene.mesh.triangle_object[triangle] = u32::from(!is_floor);
+        }
+        scene.objects = ["floor", "wall"].map(|name| Object { name: name.into() }).into();
+        let baked = Baked::from(with_functions_of_objects(dataset));
+        let mut situation = Situation::unlit(&baked);
+        situation.lights = [point_light(Vec3::new(-1.0, 1.2, 0.1), 3.0)].into();
+        let fresh = |situation: &Situation| {
+            let mut rig = RadiosityRig::new(&baked).unwrap();
+            rig.pose(&situation.scene, &situation.poses);
+            rig.update(situation, Changes::ALL);
+            rig
+        };
+        let on_cores = solved(&mut fresh(&situation));
+        situation.compute = Compute::Device(device);
+        let mut rig = fresh(&situation);
+        let as_baked = solved(&mut rig);
+        assert!(rig.on_device.is_some(), "it takes a small scene");
+        assert!(difference(&as_baked, &on_cores) < 2e-3, "{}", difference(&as_baked, &on_cores));
+
+        situation.poses.set(1, Pose { translate: Vec3::X * 0.3, ..Pose::AS_BAKED });
+        situation.scene = baked.posed(&situation.poses).unwrap();
+        rig.update(&situation, Changes { poses: true, ..Changes::NONE });
+        let moved = solved(&mut rig);
+        assert!(moved == solved(&mut fresh(&situation)), "to the bit");
+        assert!(difference(&moved, &on_cores) > 0.02, "negative control: {}", difference(&moved, &on_cores));
+        situation.compute = Compute::Cores;
+        let on_cores = solved(&mut fresh(&situation));
+        assert!(difference(&moved, &on_cores) < 2e-3, "{}", difference(&moved, &on_cores));
+    }
 }

@@ -188,6 +188,7 @@ pub(crate) mod tests {
         light::implicit::tests::blocked,
         test_scenes::{self, white},
     };
+    use glam::Vec2;
     use lapidary_core::{
         brdf::GgxParameters,
         meshless::{Basis, MeshlessBake, ObjectBases, Owner, Transport},
@@ -213,14 +214,14 @@ pub(crate) mod tests {
         FunctionPlace::new(position, Vec3::NEG_Y)
     }
 
-    /// A dataset with functions of its objects at the front of each vertex: of all vertices, and coarser ones of every fifth.
+    /// A dataset with functions of its objects at the front of each triangle, and coarser ones at that of every fifth.
     pub(crate) fn with_functions_of_objects(mut dataset: Dataset) -> Dataset {
         let mesh = &dataset.scene.mesh;
-        let mut functions: Vec<(Surfel, Owner)> = Vec::new();
-        for (vertex, object) in mesh.owners().into_iter().enumerate() {
-            let surfel = Surfel { position: mesh.positions[vertex], normal: mesh.normals[vertex], ..Surfel::default() };
-            functions.push((surfel, Owner { object, ..Owner::default() }));
-        }
+        let function = |triangle: u32| {
+            let at = mesh.surfel(triangle, Vec2::splat(1.0 / 3.0), false);
+            (at, Owner::on(mesh, &at))
+        };
+        let mut functions: Vec<(Surfel, Owner)> = (0..mesh.triangles.len() as u32).map(function).collect();
         functions.sort_by_key(|(_, owner)| owner.object);
         let coarse = functions.iter().step_by(5).copied().collect();
         dataset.object_bases = Some(ObjectBases::new(&[coarse, functions], vec![2.0, 0.8], 0).unwrap().into());
@@ -241,17 +242,15 @@ pub(crate) mod tests {
         let light = MeshlessLight::of_objects(&dataset, &owners, coefficients).unwrap();
         for (triangle, &vertices) in mesh.triangles.iter().enumerate() {
             let object = mesh.triangle_object[triangle];
-            let normal = mesh.area_vector(triangle).normalize();
-            let facing = mesh.normals[vertices[0] as usize].dot(normal) > 0.0;
             // Wherever the picture shows it: here all lie upon each other.
             let shown = FunctionPlace::new(Vec3::ZERO, Vec3::Y);
-            let place = light.place(shown, vertices, Vec3::splat(1.0 / 3.0), !facing).unwrap();
+            let place = light.place(shown, vertices, Vec3::splat(1.0 / 3.0), false).unwrap();
             assert!(light.at(&place, false).abs_diff_eq(Mat3A::IDENTITY * (1.0 + object as f32), 1e-5), "{triangle}");
         }
         let blocker = mesh.triangles[mesh.triangles.len() - 1];
-        let of_blocker = light.place(below(Vec3::ZERO), blocker, Vec3::splat(1.0 / 3.0), true).unwrap();
+        let of_blocker = light.place(below(Vec3::ZERO), blocker, Vec3::splat(1.0 / 3.0), false).unwrap();
         let of_floor = FunctionPlace { first_key: 0, ..of_blocker };
-        assert_ne!(light.at(&of_floor, true), light.at(&of_blocker, true), "negative control: the floor's functions");
+        assert_ne!(light.at(&of_floor, false), light.at(&of_blocker, false), "negative control: the floor's functions");
         let dark = light.with_coefficients(vec![Mat3A::ZERO; bases.len()]);
         assert!(dark.owners().is_some() && dark.at(&of_blocker, false) == Mat3A::ZERO);
     }
