@@ -5,6 +5,7 @@ use super::{
     meshless::{by_rays, smooth_light},
 };
 use lapidary_core::{
+    mesh::Mesh,
     meshless::{FunctionTree, ObjectBases, Owner},
     surfel::Surfel,
 };
@@ -43,10 +44,11 @@ impl ObjectBasesVerification {
         let at: Vec<(Surfel, u64)> =
             random.choose_multiple(bases.points().iter().copied(), POINTS).into_iter().zip(0..).collect();
         let pairs = compared(again, bases, &at);
+        let shown = again.dataset.scene.shown_mesh();
         let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
         Some(Self {
             object_functions: picked.len(),
-            misplaced_functions: picked.into_iter().filter(|&i| is_misplaced(again, &bases.points()[i])).count(),
+            misplaced_functions: picked.into_iter().filter(|&i| is_misplaced(&shown, &bases.points()[i])).count(),
             bare_parts: bare_parts(again, bases),
             object_points: pairs.len(),
             object_error: (sum(&|(rays, sent)| (rays - sent).powi(2)) / sum(&|(rays, _)| rays * rays).max(1e-30))
@@ -74,8 +76,7 @@ impl ObjectBasesVerification {
 }
 
 /// Whether a function is not where its triangle is.
-fn is_misplaced(again: &Again, at: &Surfel) -> bool {
-    let mesh = &again.dataset.scene.mesh;
+fn is_misplaced(mesh: &Mesh, at: &Surfel) -> bool {
     let placed = mesh.surfel(at.place.triangle, at.place.barycentric, Owner::on(mesh, at).back);
     let distance = placed.position.distance(at.position);
     distance > 1e-5 * mesh.bounds().diagonal() || placed.normal.dot(at.normal) < 0.999

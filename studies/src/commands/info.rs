@@ -62,6 +62,7 @@ fn info_json(dataset: &Dataset) -> serde_json::Value {
         "origin": scene.origin,
         "materials": scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
         "objects": scene.objects.iter().map(|o| &o.name).collect::<Vec<_>>(),
+        "hidden": scene.hidden.keys().map(|&object| &scene.objects[object as usize].name).collect::<Vec<_>>(),
         "textures": scene.textures.iter().map(|t| &t.name).collect::<Vec<_>>(),
         "cameras": scene.cameras,
     })
@@ -82,6 +83,10 @@ fn info_text(dataset: &Dataset) -> String {
         scene.textures.len(),
         scene.cameras.len()
     );
+    let hidden: Vec<&str> = scene.hidden.keys().map(|&object| &*scene.objects[object as usize].name).collect();
+    if !hidden.is_empty() {
+        text += &format!("hidden     {}\n", hidden.join(", "));
+    }
     if !s.shots.is_empty() {
         let plural = if s.shots.len() == 1 { "" } else { "s" };
         text += &format!("for        {} shot{plural}\n", s.shots.len());
