@@ -74,6 +74,32 @@ fn a_folder_that_cannot_be_written_is_told_before_anything_else() {
 }
 
 #[test]
+fn a_scene_with_a_lamp_has_the_figures_of_functions() {
+    let folder = Folder::new();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/color-box/color-box.gltf");
+    folder.succeed(&format!("evidence --quick --no-bundled --scenes {scene} --out proof"));
+    let figures = &folder.json("proof/evidence.json")["figures"];
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let (basis, solved) = (&figures["meshless_table1"][0], &figures["radiosity_table1"][0]);
+    for row in [basis, solved] {
+        // Few functions, and few paths.
+        assert!((0.0..0.4).contains(&number(&row["error"])) && (number(&row["energy"]) - 1.0).abs() < 0.2, "{row}");
+    }
+    assert!(number(&basis["links"]) > 1000.0 && number(&basis["functions"]) > number(&basis["coarsest"]), "{basis}");
+    assert!(number(&solved["rays_traced_again"]) < number(&solved["rays"]), "{solved}");
+    assert_eq!((&solved["object"], &solved["levels"]), (&"Short block".into(), &3.into()));
+    for (pictures, count) in [("meshless_pictures", 4), ("radiosity_pictures", 3)] {
+        let shown = figures[pictures].as_array().expect("a list");
+        assert_eq!(shown.len(), count);
+        for figure in shown {
+            let file = folder.path("proof").join(figure["png"].as_str().expect("a name"));
+            let picture = image::read(&file).expect("a picture");
+            assert!(picture.pixels.iter().any(|pixel| pixel.max_element() > 0.1), "{figure}: not black");
+        }
+    }
+}
+
+#[test]
 fn the_evidence_of_a_small_scene_has_all_figures() {
     let folder = Folder::new();
     folder.succeed("evidence --quick --no-bundled --scenes scene.obj --env sun-sky:50 --out proof");

@@ -38,6 +38,35 @@ fn a_preview_of_posed_objects_is_close_to_their_reference_and_the_baked_picture_
 }
 
 #[test]
+fn a_hidden_object_is_gone_and_comes_back_from_a_bake_without_it() {
+    let folder = baked();
+    folder.write("hidden.json", r#"{"objects": {"box": {"hidden": true}}}"#.into());
+    let render = |options: &str| folder.succeed(&format!("render {VIEW} --backend cpu {options}"));
+    for pose in ["hidden", "away"] {
+        folder.succeed(&format!("reference a.cuts {VIEW} --pose {pose}.json --out {pose}-reference.exr"));
+    }
+    let read = |name: &str| image::read(&folder.path(name)).expect("a picture").pixels;
+    assert!(read("hidden-reference.exr") == read("away-reference.exr"), "as if it were carried away");
+    render("a.cuts --out baked.exr");
+    render("a.cuts --pose hidden.json --out preview.exr");
+    folder.succeed("bake --update a.cuts --pose hidden.json -o hidden.cuts --progress none");
+    render("hidden.cuts --out updated.exr");
+    let as_baked = error(&folder, "baked.exr", "hidden-reference.exr");
+    for picture in ["preview", "updated"] {
+        let near = error(&folder, &format!("{picture}.exr"), "hidden-reference.exr");
+        assert!(near < 0.15 && as_baked > 2.0 * near, "{picture}: {near}, negative control {as_baked}");
+    }
+    assert!(folder.succeed("info hidden.cuts").contains("hidden     box"));
+    folder.succeed("verify hidden.cuts");
+    folder.succeed("bake --update hidden.cuts --pose as-baked.json -o back.cuts --progress none");
+    render("back.cuts --out back.exr");
+    let (back, gone) = (error(&folder, "back.exr", "baked.exr"), error(&folder, "updated.exr", "baked.exr"));
+    assert!(back < 0.01 && gone > 10.0 * back, "{back}, negative control {gone}");
+    let refused = folder.fail("bake scene.obj -o s.cuts --pose hidden.json --shard 1/2 --progress none");
+    assert!(refused.contains("--update"), "{refused}");
+}
+
+#[test]
 fn a_scene_as_baked_is_the_same_picture_by_cuts() {
     let folder = baked();
     folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --out a.exr"));

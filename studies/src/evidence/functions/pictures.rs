@@ -2,7 +2,7 @@
 
 use super::super::{Measurement, cases::Case, implicit::Dragged, notebook::Notebook};
 use crate::{
-    report::{figure, text::short},
+    report::figure,
     sheet::{exposure, side_by_side},
 };
 use anyhow::Result;
@@ -22,8 +22,6 @@ const LEVELS_OF_A_FUNCTION: usize = 4;
 struct Shown {
     figure: &'static str,
     what: &'static str,
-    /// Relative RMSE against light paths, where the picture has any.
-    error: Option<f64>,
     png: String,
     #[serde(skip)]
     size: [u32; 2],
@@ -40,7 +38,7 @@ pub fn record_basis(
     notebook: &mut Notebook,
 ) -> Result<()> {
     let Some(bake) = dataset.meshless.as_deref() else { return Ok(()) };
-    let look = measurement.bounced(dataset, Solution::Meshless);
+    let look = measurement.in_a_large_picture(dataset, Solution::Meshless);
     let levels = bake.basis.levels();
     let functions = near_the_middle(dataset, &look, bake.basis.functions());
     let bounced = measurement.picture(dataset, &look)?;
@@ -48,16 +46,15 @@ pub fn record_basis(
         measurement.shown(
             "Fig. 1",
             "functions with light, by level",
-            None,
             &[measurement.basis_view(dataset, &look, ViewMode::BasisCoefficients, 0, 0)?],
         )?,
-        measurement.shown("Fig. 3", "the light of each level, and their sum", None, &{
+        measurement.shown("Fig. 3", "the light of each level, and their sum", &{
             let of_level = |level: u32| measurement.basis_view(dataset, &look, ViewMode::BasisLevel, level, 0);
             let mut parts = (0..levels as u32).map(of_level).collect::<Result<Vec<_>>>()?;
             parts.push(bounced.clone());
             parts.into_iter().map(|part| part.scaled(exposure(&bounced))).collect::<Vec<_>>()
         })?,
-        measurement.shown("Fig. 4", "one function on each of four levels", None, &{
+        measurement.shown("Fig. 4", "one function on each of four levels", &{
             let of = |&function: &u32| measurement.basis_view(dataset, &look, ViewMode::BasisFunction, 0, function);
             functions.iter().map(of).collect::<Result<Vec<_>>>()?
         })?,
@@ -77,11 +74,10 @@ pub fn record_radiosity(
     dataset: &Arc<Dataset>,
     notebook: &mut Notebook,
 ) -> Result<()> {
-    let look = measurement.bounced(dataset, Solution::Radiosity);
+    let look = measurement.in_a_large_picture(dataset, Solution::Radiosity);
     let mut all = vec![measurement.shown(
         "Radiosity, Fig. 1",
         "functions of all objects, by level",
-        None,
         &[measurement.basis_view(dataset, &look, ViewMode::BasisCoefficients, 0, 0)?],
     )?];
     if let Some(dragged) = Dragged::of(&dataset.scene) {
@@ -93,7 +89,7 @@ pub fn record_radiosity(
         let places = [0.0, 0.5, 1.0].map(at).into_iter().collect::<Result<Vec<_>>>()?;
         let exposure = exposure(&places[0]);
         let places: Vec<Image> = places.iter().map(|image| image.scaled(exposure)).collect();
-        all.push(measurement.shown("Radiosity, Fig. 5", "an object in three places", None, &places)?);
+        all.push(measurement.shown("Radiosity, Fig. 5", "an object in three places", &places)?);
     }
     all.push(measurement.lit("Radiosity, Fig. 6", "direct, indirect and all light", dataset, &look)?);
     let heading = "Meshless radiosity, Fig. 1, 5 and 6: functions that go with objects";
@@ -101,6 +97,13 @@ pub fn record_radiosity(
 }
 
 impl Measurement<'_> {
+    /// The look of bounced light, in a picture to look at.
+    fn in_a_large_picture(&self, dataset: &Arc<Dataset>, solution: Solution) -> Look {
+        let mut look = self.bounced(dataset, solution);
+        look.view.size = self.scale.frame;
+        look
+    }
+
     fn basis_view(
         &self,
         dataset: &Arc<Dataset>,
@@ -114,24 +117,23 @@ impl Measurement<'_> {
         self.picture(dataset, &look)
     }
 
-    /// Direct, bounced and all light of local lights, with the error of the bounced light.
+    /// Direct, bounced and all light of local lights.
     fn lit(&self, name: &'static str, what: &'static str, dataset: &Arc<Dataset>, look: &Look) -> Result<Shown> {
         let bounced = self.picture(dataset, look)?;
-        let error = self.against_paths(dataset, look, &bounced)?.error;
         let of = |components| self.picture(dataset, &Look { components, ..look.clone() });
         let direct = of(Components { direct: true, ..Components::NONE })?;
         let all = of(Components { environment: false, ..Components::ALL })?;
         let exposure = exposure(&all);
-        self.shown(name, what, Some(error), &[direct, bounced, all].map(|image| image.scaled(exposure)))
+        self.shown(name, what, &[direct, bounced, all].map(|image| image.scaled(exposure)))
     }
 
     /// Writes pictures side by side.
-    fn shown(&self, name: &'static str, what: &'static str, error: Option<f64>, pictures: &[Image]) -> Result<Shown> {
+    fn shown(&self, name: &'static str, what: &'static str, pictures: &[Image]) -> Result<Shown> {
         let strip = side_by_side(pictures);
         let words = name.to_lowercase().replace([' ', ',', '.'], "");
         let png = format!("functions-{words}.png");
         image::write(&strip, &self.out.join(&png))?;
-        Ok(Shown { figure: name, what, error, png, size: strip.size })
+        Ok(Shown { figure: name, what, png, size: strip.size })
     }
 }
 
@@ -149,11 +151,10 @@ fn near_the_middle(dataset: &Arc<Dataset>, look: &Look, functions: &Functions) -
 
 fn markup(scene: &str, all: &[Shown]) -> Markup {
     html! {
-        p { "Bounced light of the lamps of the scene “" (scene) "”. Errors: relative RMSE against light paths, noise taken off." }
+        p { "Light of the lamps of the scene “" (scene) "”. The tables have its errors." }
         @for shown in all {
             (figure("", &shown.png, shown.size, shown.what, html! {
                 b { (shown.figure) } ": " (shown.what)
-                @if let Some(error) = shown.error { ", error of the bounced light " (short(error)) }
             }))
         }
     }
