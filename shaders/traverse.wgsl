@@ -14,7 +14,7 @@ struct BoxNode {
 // Nine numbers per triangle.
 @group(0) @binding(1) var<storage, read> corners: array<f32>;
 
-// Most waiting nodes: one per level, and one more where both children of a node wait.
+// Most waiting nodes: one per level, and the deepest.
 const MOST_LEVELS: u32 = 64u;
 
 fn corner_of(triangle: u32, corner: u32) -> vec3<f32> {

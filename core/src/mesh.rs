@@ -119,6 +119,9 @@ pub enum MeshError {
         /// Diagonal of its bounds in meters.
         diagonal: f32,
     },
+    /// All objects are hidden.
+    #[error("hidden objects leave nothing to see; show one of them")]
+    NothingShown,
     /// Deformed vertices belong to another mesh.
     #[error("object {object} is deformed with {found} vertices and has {expected}; pose the scene as it is now")]
     Deformed {

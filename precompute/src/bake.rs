@@ -31,7 +31,7 @@ use self::{
     settings::{ResolvedBake, resolve},
 };
 use crate::{
-    errors::{BakeError, CutsOf, cancelled},
+    errors::{BakeError, CutsOf, ShardError, cancelled},
     observer::{Event, Observer, Phase},
     setting::Setting,
     shard::Shard,
@@ -47,7 +47,11 @@ use lapidary_core::{
     memory::{peak, resident},
     output::check_output,
     ray::RayDevices,
-    scene::{Scene, placed::deformed_hash, pose::Poses},
+    scene::{
+        Scene,
+        placed::deformed_hash,
+        pose::{Objects, Poses},
+    },
 };
 use std::{
     path::{Path, PathBuf},
@@ -77,6 +81,7 @@ pub fn bake_on(
     let remarks = Remarks::before(observer);
     let _lock = OutputLock::acquire(&job.output)?;
     let mut clock = Clock::new(&remarks, job.import_secs);
+    check_poses(&scene, &job.poses)?;
     let begun = Begun::new(scene, job, &Work::All, devices, &mut clock)?;
     let (dataset, checkpoint) = begun.dataset(job.warnings.clone(), clock)?;
     let dataset = with_hidden(dataset, &job.poses, &remarks)?;
@@ -96,6 +101,9 @@ pub fn bake_shard(
     observer: &dyn Observer,
 ) -> Result<BakeReport, BakeError> {
     check_outputs(job)?;
+    if job.poses.has_hidden() {
+        return Err(ShardError::Hidden.into());
+    }
     let remarks = Remarks::before(observer);
     let work = Work::Share(shard);
     let _lock = OutputLock::acquire(&work.folder_of(&job.output))?;
@@ -149,8 +157,21 @@ fn with_hidden(shown: Dataset, poses: &Poses, observer: &dyn Observer) -> Result
         return Ok(shown);
     }
     let mut scene = shown.scene.clone();
-    scene.place_again(poses).map_err(BakeError::Pose)?;
-    update::update(&shown, scene, observer)
+    // Objects in time have their form from the bake.
+    scene.place_again(&poses.without_deformed()).map_err(BakeError::Pose)?;
+    let mut hidden = update::update(&shown, scene, observer)?;
+    let after = hidden.report.run.take();
+    hidden.report.run = shown.report.run.map(|run| run.followed_by(after));
+    hidden.report.rays_traced += shown.report.rays_traced;
+    Ok(hidden)
+}
+
+/// Checks before a bake that objects can be posed and hidden as they will be after it.
+fn check_poses(scene: &Scene, poses: &Poses) -> Result<(), BakeError> {
+    match poses.has_hidden() {
+        true => poses.pose(&scene.mesh, &Objects::of(scene)).map(drop).map_err(BakeError::Pose),
+        false => Ok(()),
+    }
 }
 
 fn check_outputs(job: &BakeJob) -> Result<(), BakeError> {

@@ -182,8 +182,8 @@ impl Posing {
         let is_thorough = thorough.is_some();
         let known = self.rays.take().filter(|rays| (&rays.moving, rays.is_thorough) == (&moving, is_thorough));
         let new = || {
-            let (hierarchy, mesh) = (thorough.unwrap_or_else(|| baked.intersector()), &baked.dataset.scene.mesh);
-            let posable = Posable::new(hierarchy, mesh, &baked.opacities(), &moving);
+            let hierarchy = thorough.unwrap_or_else(|| baked.intersector());
+            let posable = Posable::new(hierarchy, &baked.dataset.scene, &moving);
             PosableRays { moving, is_thorough, posable }
         };
         self.rays.insert(known.unwrap_or_else(new))

@@ -1,5 +1,6 @@
 //! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), errors by bake settings, and the figures of
-//! the meshless basis, of implicit visibility and of meshless radiosity, measured anew. The page and the file of figures are rewritten after each figure.
+//! the meshless basis, of implicit visibility and of meshless radiosity, measured anew. The page and the file of figures are
+//! rewritten after each figure.
 
 mod cases;
 mod clusters;

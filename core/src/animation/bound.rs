@@ -56,7 +56,7 @@ impl BoundAnimation {
             None => animation.nodes.at_rest(),
         };
         let (as_baked, mesh) = (animation.posture(state), scene.unplaced());
-        let (objects, most) = (Objects::of(scene), MOST_DISTANCE * scene.mesh.bounds().diagonal());
+        let (objects, most) = (Objects::of(scene), MOST_DISTANCE * mesh.bounds().diagonal());
         let moving: Vec<u32> = animation.moving_objects().collect();
         let bind = |&object: &u32| {
             BoundObject::new(object, animation.shapes_of(object), &as_baked, &mesh, objects.vertices(object))

@@ -89,6 +89,18 @@ pub struct BakeRun {
     pub estimated_memory_bytes: Option<u64>,
 }
 
+impl BakeRun {
+    /// This run and another after it.
+    #[must_use]
+    pub fn followed_by(mut self, after: Option<Self>) -> Self {
+        for (phase, seconds) in after.iter().flat_map(|run| &run.seconds) {
+            *self.seconds.entry(phase.clone()).or_default() += seconds;
+        }
+        self.peak_memory_bytes = self.peak_memory_bytes.max(after.map_or(0, |run| run.peak_memory_bytes));
+        self
+    }
+}
+
 impl BakeReport {
     /// Lights per probe in tracing the environment, 1 if every light is traced.
     pub fn lights_per_probe(&self) -> usize {

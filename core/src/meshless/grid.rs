@@ -28,7 +28,7 @@ const STRETCH: f32 = (1.0 + SQUASH) * (1.0 + SQUASH) - 1.0;
 pub struct Cell {
     /// Its coordinates in cells of its level.
     pub place: [i32; 3],
-    /// Its level.
+    /// Its key: its level, or that of a level of an object.
     pub level: u32,
     /// Its first entry.
     pub first: u32,

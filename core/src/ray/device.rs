@@ -63,7 +63,7 @@ impl Fan {
 /// A scene and the directions of a fan on a device.
 pub trait FanDevice: Sync {
     /// The first hits of the rays of fans on surfaces that let no light through, fan by fan and direction by direction. Equals
-    /// [`Intersector::closest_hits`] except for rays along edges, where a device may round differently.
+    /// [`Intersector::closest_hits`] except for rays along edges and at faces that coincide, where a device may choose another.
     ///
     /// # Errors
     /// A description of the device's failure.
@@ -71,9 +71,9 @@ pub trait FanDevice: Sync {
 }
 
 impl Intersector {
-    /// The triangle of the mesh of a triangle in the order of the leaves, as in [`Self::hierarchy`].
-    pub fn triangle_of_leaf(&self, leaf: usize) -> u32 {
-        self.leaf_ids[leaf]
+    /// The triangles of the mesh in the order of the leaves, as in [`Self::hierarchy`].
+    pub fn leaf_triangle_ids(&self) -> &[u32] {
+        &self.leaf_ids
     }
 
     /// The first hit of a ray, from that on surfaces that let no light through: thin ones before it stop the ray by chance.

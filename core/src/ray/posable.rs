@@ -3,7 +3,7 @@
 //! They are joined into one hierarchy per pose, so all rays and batches work on it unchanged. A static scene keeps its hierarchy.
 
 use super::{Intersector, LeafBlocks, Veils, hierarchy, widen_boxes};
-use crate::{bounds::Bounds, mesh::Mesh, opacity::Opacities};
+use crate::{bounds::Bounds, mesh::Mesh, opacity::Opacities, scene::Scene};
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
@@ -28,15 +28,18 @@ struct Layer {
 }
 
 impl Posable {
-    /// Splits a baked hierarchy with these opacities. `moving` has the indices of moving objects of the baked mesh.
-    pub fn new(baked: &Intersector, mesh: &Mesh, opacities: &Opacities, moving: &BTreeSet<u32>) -> Self {
+    /// Splits the hierarchy of a scene as baked. `moving` has the indices of moving objects.
+    pub fn new(baked: &Intersector, scene: &Scene, moving: &BTreeSet<u32>) -> Self {
+        let (mesh, opacities) = (&scene.mesh, Opacities::of_scene(scene));
+        // A hidden object is a point as baked, where its triangles cannot be told apart.
+        let meshes = [mesh, &*scene.shown_mesh()];
         let thin = opacities.thin();
         let is_thin = |t: u32| thin.get(opacities.material(mesh, t) as usize).is_some_and(Option::is_some);
-        let of_thin = |veils: &Veils| Layer::new(&veils.surfaces, mesh, moving, is_thin);
+        let of_thin = |veils: &Veils| Layer::new(&veils.surfaces, meshes, moving, is_thin);
         Self {
-            solid: Layer::new(baked, mesh, moving, |t| !is_thin(t)),
+            solid: Layer::new(baked, meshes, moving, |t| !is_thin(t)),
             thin: baked.veils.as_ref().map(|veils| of_thin(veils)),
-            opacities: opacities.clone(),
+            opacities,
         }
     }
 
@@ -52,10 +55,15 @@ impl Posable {
 }
 
 impl Layer {
-    /// A layer of the triangles for which `is_part` holds.
-    fn new(baked: &Intersector, mesh: &Mesh, moving: &BTreeSet<u32>, is_part: impl Fn(u32) -> bool) -> Self {
+    /// A layer of the triangles for which `is_part` holds, of a mesh as baked; `shown` has hidden objects where they would be.
+    fn new(
+        baked: &Intersector,
+        [mesh, shown]: [&Mesh; 2],
+        moving: &BTreeSet<u32>,
+        is_part: impl Fn(u32) -> bool,
+    ) -> Self {
         let object = |t: u32| mesh.triangle_object[t as usize];
-        let made = |triangles| Intersector::made(mesh, hierarchy::build_quickly, triangles);
+        let made = |mesh, triangles| Intersector::made(mesh, hierarchy::build_quickly, triangles);
         let still = baked.without(|t| moving.contains(&object(t)));
         // A hierarchy omits copies of triangles: a static triangle may be the copy of a moving one.
         let mut is_known = vec![false; mesh.triangles.len()];
@@ -69,8 +77,9 @@ impl Layer {
                 None => {}
             }
         }
-        let moving = of_moving.into_values().filter(|triangles| !triangles.is_empty()).map(made).collect();
-        Self { still: still.joined(&made(copies)), bounds: mesh.bounds(), moving }
+        let of_object = of_moving.into_values().filter(|triangles| !triangles.is_empty());
+        let moving = of_object.map(|triangles| made(shown, triangles)).collect();
+        Self { still: still.joined(&made(mesh, copies)), bounds: mesh.bounds(), moving }
     }
 
     fn posed(&self, posed: &Mesh, bounds: Bounds) -> Intersector {
@@ -188,6 +197,26 @@ mod tests {
     }
 
     #[test]
+    fn rays_meet_all_of_an_object_that_was_hidden_and_is_shown_again() {
+        let with_all = cubes(4);
+        let mut baked = with_all.clone();
+        let hidden =
+            moved(&[(2, Pose { hidden: true, ..Pose::AS_BAKED }), (3, Pose { hidden: true, ..Pose::AS_BAKED })]);
+        baked.place(&hidden).unwrap();
+        let shown = moved(&[(3, Pose { hidden: true, ..Pose::AS_BAKED })]);
+        let since = baked.poses_since_baked(&shown);
+        let mesh = since.pose(&baked.mesh, &Objects::of(&baked)).unwrap();
+        let posable = Posable::new(&Intersector::of_scene(&baked), &baked, &since.moved().collect());
+        let mut expected = with_all.clone();
+        expected.place(&shown).unwrap();
+        let [found, expected, without] =
+            [posable.posed(&mesh), Intersector::of_scene(&expected), Intersector::of_scene(&baked)]
+                .map(|rays| met(&rays));
+        assert_eq!(differ(&found, &expected), 0);
+        assert!(differ(&found, &without) > 100, "negative control: it is hidden");
+    }
+
+    #[test]
     fn rays_meet_the_posed_scene_as_if_it_had_been_built_so() {
         let mut scene = cubes(4);
         scene.materials.push(Material::default());
@@ -197,7 +226,7 @@ mod tests {
         }
         let (objects, opacities) = (Objects::of(&scene), Opacities::of_scene(&scene));
         let baked = Intersector::of_scene(&scene);
-        let posable = Posable::new(&baked, &scene.mesh, &opacities, &[1, 2].into());
+        let posable = Posable::new(&baked, &scene, &[1, 2].into());
         let directions = DirectionSet::new(&fibonacci_directions(512));
         for poses in
             [moved(&[(1, pose(0.4, 30.0, 1.3)), (2, pose(-0.5, 75.0, 0.5))]), moved(&[(2, pose(1.0, 0.0, 1.0))])]
@@ -225,10 +254,10 @@ mod tests {
     #[test]
     fn many_objects_are_met_as_few_are() {
         let scene: Scene = cubes(40);
-        let (objects, opacities) = (Objects::of(&scene), Opacities::of_scene(&scene));
+        let objects = Objects::of(&scene);
         let all: Vec<(u32, Pose)> = (0..40).map(|object| (object, pose(0.01 * object as f32, 9.0, 1.1))).collect();
         let mesh = moved(&all).pose(&scene.mesh, &objects).unwrap();
-        let posable = Posable::new(&Intersector::of_scene(&scene), &scene.mesh, &opacities, &(0..39).collect());
+        let posable = Posable::new(&Intersector::of_scene(&scene), &scene, &(0..39).collect());
         let still_one = moved(&all[..39]).pose(&scene.mesh, &objects).unwrap();
         let (posed, built) = (posable.posed(&still_one), Intersector::new(&still_one));
         assert_eq!(differ(&met(&posed), &met(&built)), 0);
@@ -239,8 +268,7 @@ mod tests {
     #[test]
     fn boxes_are_as_wide_as_rays_from_far_away_ask() {
         let scene = cubes(2);
-        let posable =
-            Posable::new(&Intersector::of_scene(&scene), &scene.mesh, &Opacities::of_scene(&scene), &[0].into());
+        let posable = Posable::new(&Intersector::of_scene(&scene), &scene, &[0].into());
         let least_margin = |x: f32| {
             let mesh = moved(&[(0, pose(x, 0.0, 1.0))]).pose(&scene.mesh, &Objects::of(&scene)).unwrap();
             let rays = posable.posed(&mesh);
@@ -260,7 +288,7 @@ mod tests {
     fn an_object_that_is_where_it_was_is_met_as_before() {
         let scene: Scene = cubes(3);
         let baked = Intersector::of_scene(&scene);
-        let posable = Posable::new(&baked, &scene.mesh, &Opacities::of_scene(&scene), &[0, 2].into());
+        let posable = Posable::new(&baked, &scene, &[0, 2].into());
         assert!(met(&posable.posed(&scene.mesh)) == met(&baked));
     }
 
@@ -279,7 +307,7 @@ mod tests {
         mesh.uvs.extend_from_within(..);
         scene.objects.extend_from_within(..);
         let baked = Intersector::of_scene(&scene);
-        let posable = Posable::new(&baked, &scene.mesh, &Opacities::of_scene(&scene), &[0].into());
+        let posable = Posable::new(&baked, &scene, &[0].into());
         let posed = moved(&[(0, pose(50.0, 0.0, 1.0))]).pose(&scene.mesh, &Objects::of(&scene)).unwrap();
         let distances = |rays: &Intersector| {
             let distance = |&d: &Vec3| rays.closest_hit(ORIGIN, d).map(|hit| hit.distance.to_bits());

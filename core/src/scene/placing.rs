@@ -3,7 +3,7 @@
 use super::{
     Mesh, MeshError, Scene,
     placed::Placed,
-    pose::{DeformedObject, Objects, Pose, Poses},
+    pose::{DeformedObject, Objects, Pose, Poses, check_shown},
 };
 use glam::Vec3;
 use std::{
@@ -41,9 +41,9 @@ impl Scene {
     /// Moves the mesh by poses `since` its present state, notes the `placed` objects, and hides some.
     fn place_objects(&mut self, of_file: &Poses, since: &Poses, placed: BTreeSet<u32>) -> Result<(), MeshError> {
         let before = Objects::of(self);
-        self.mesh = since.pose(&self.mesh, &before)?;
+        let mut placed_scene = self.with_mesh(since.pose(&self.mesh, &before)?);
         // A deformed object has another box than in its file but still turns about the file's center.
-        let after = Objects::of(self);
+        let after = Objects::of(&placed_scene);
         let note = |object: u32| Placed {
             object,
             pose: of_file.of(object),
@@ -51,13 +51,17 @@ impl Scene {
             baked_center: after.center(object),
         };
         let placed = placed.into_iter().filter(|&object| (object as usize) < before.len());
-        self.placed = placed.map(note).collect();
-        self.hidden.clear();
-        for Placed { object, baked_center, .. } in self.placed.iter().filter(|placed| placed.pose.hidden) {
+        placed_scene.placed = placed.map(note).collect();
+        placed_scene.hidden.clear();
+        for Placed { object, baked_center, .. } in placed_scene.placed.iter().filter(|placed| placed.pose.hidden) {
             let vertices = after.vertices(*object);
-            self.hidden.insert(*object, DeformedObject::of_mesh(&self.mesh, vertices));
-            self.mesh.collapse(vertices, *baked_center);
+            placed_scene.hidden.insert(*object, DeformedObject::of_mesh(&placed_scene.mesh, vertices));
+            placed_scene.mesh.collapse(vertices, *baked_center);
         }
+        if !placed_scene.hidden.is_empty() {
+            check_shown(&placed_scene.mesh)?;
+        }
+        *self = placed_scene;
         Ok(())
     }
 
@@ -267,6 +271,11 @@ mod tests {
         let mut scene = cubes(1);
         let far = poses([(0, Pose { translate: Vec3::splat(1e30), ..Pose::AS_BAKED }), (1, Pose::AS_BAKED)]);
         assert!(scene.place(&far).is_err());
+        assert_eq!((&scene.mesh, &scene.placed[..]), (&cubes(1).mesh, &[][..]));
+        let mut all = Poses::default();
+        all.set(0, Pose { hidden: true, ..Pose::AS_BAKED });
+        assert_eq!(scene.place(&all), Err(MeshError::NothingShown));
+        assert!(all.pose(&scene.mesh, &Objects::of(&scene)).is_err() && cubes(2).place(&all).is_ok());
         assert_eq!((scene.mesh, scene.placed), (cubes(1).mesh, Vec::new()));
     }
 }

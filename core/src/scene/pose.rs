@@ -207,8 +207,8 @@ impl Poses {
     /// The mesh with posed objects. A hidden object is a point.
     ///
     /// # Errors
-    /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE), or vertices of a deformed object that do not
-    /// match the mesh.
+    /// Places beyond [`MOST_COORDINATE`](crate::bounds::MOST_COORDINATE), vertices of a deformed object that do not
+    /// match the mesh, or a scene whose objects are all hidden.
     pub fn pose(&self, mesh: &Mesh, objects: &Objects) -> Result<Mesh, MeshError> {
         let mut posed = mesh.clone();
         for (&object, deformed) in self.deformed.iter().filter(|(object, _)| (**object as usize) < objects.len()) {
@@ -218,11 +218,20 @@ impl Poses {
             pose_vertices(&mut posed, objects.vertices(object), pose, objects.center(object));
         }
         check_extent(posed.positions[..posed.vertices_of_scene()].iter().copied())?;
-        for object in self.hidden().filter(|&object| (object as usize) < objects.len()) {
-            posed.collapse(objects.vertices(object), objects.center(object) + self.of(object).translate);
+        if self.has_hidden() {
+            for object in self.hidden().filter(|&object| (object as usize) < objects.len()) {
+                posed.collapse(objects.vertices(object), objects.center(object) + self.of(object).translate);
+            }
+            check_shown(&posed)?;
         }
         Ok(posed)
     }
+}
+
+/// Checks that hidden objects leave something to see.
+pub(super) fn check_shown(mesh: &Mesh) -> Result<(), MeshError> {
+    let places = mesh.positions[..mesh.vertices_of_scene()].iter().copied();
+    check_extent(places).map_err(|_| MeshError::NothingShown)
 }
 
 fn pose_vertices(mesh: &mut Mesh, vertices: &[u32], pose: &Pose, center: Vec3) {

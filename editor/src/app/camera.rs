@@ -15,7 +15,8 @@ impl EditorState {
         let posed = self.pose.posed_at_rest(&self.work);
         let bounds_in = |posed: &Baked| {
             let mesh = &posed.dataset.scene.mesh;
-            let each = self.work.selection.objects().filter_map(|object| object_bounds(mesh, object));
+            let is_shown = |object: &u32| !self.work.document.poses.of(*object).hidden;
+            let each = self.work.selection.objects().filter(is_shown).filter_map(|object| object_bounds(mesh, object));
             each.reduce(|all, bounds| Bounds::around([all.min, all.max, bounds.min, bounds.max]))
         };
         match posed.as_ref().and_then(bounds_in) {

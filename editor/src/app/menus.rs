@@ -152,7 +152,8 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.menu_button("Add light", |ui| lights::add_menu(ui, actions));
     ui.separator();
     tools(ui, state, actions);
-    entry(ui, state, actions, Command::HideSelection, state.work.selection.object.is_some() && !has_light);
+    let has_objects = !has_light && !state.pose.posable(&state.work).is_empty();
+    entry(ui, state, actions, Command::HideSelection, has_objects);
     let has_hidden = state.work.document.poses.has_hidden();
     entry(ui, state, actions, Command::ShowAll, has_hidden);
     entry(ui, state, actions, Command::SelectNothing, has_light || state.work.selection.object.is_some());

@@ -163,13 +163,16 @@ impl EditorState {
         }
     }
 
-    /// Hides or shows the selected objects, or shows all; nothing without such objects.
+    /// Hides or shows the selected objects, or shows all; nothing without such objects, or while a light is selected.
     fn hide_or_show(&self, command: Command) -> Vec<Action> {
         let document = &self.work.document;
         let (objects, hides): (Vec<u32>, bool) = match command {
             Command::ShowAll => (document.poses.hidden().collect(), false),
             _ => {
-                let posable = self.pose.posable(&self.work);
+                let posable = match self.work.selected_light() {
+                    Some(_) => Vec::new(),
+                    None => self.pose.posable(&self.work),
+                };
                 let is_shown = posable.first().is_some_and(|active| !document.poses.of(active.object).hidden);
                 (posable.iter().map(|subject| subject.object).collect(), is_shown)
             }

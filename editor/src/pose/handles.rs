@@ -12,10 +12,9 @@ impl Posing {
         let tool = self.tool.filter(|_| work.selected_light().is_none())?;
         let posable = self.posable(work);
         let (&active, others) = posable.split_first()?;
-        if work.document.poses.of(active.object).hidden {
-            return None;
-        }
-        Some(Movable { active, others: others.to_vec(), pivot: self.pivot, tool })
+        let is_shown = |subject: &Subject| !work.document.poses.of(subject.object).hidden;
+        let others = others.iter().copied().filter(is_shown).collect();
+        is_shown(&active).then_some(Movable { active, others, pivot: self.pivot, tool })
     }
 
     /// The selected objects that can be posed, the active one first; none if the active one cannot be, as a ground.

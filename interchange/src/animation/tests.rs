@@ -16,7 +16,6 @@ use file::TestFile;
 use glam::{Mat4, Quat, Vec3};
 use lapidary_core::{
     animation::{Animation, BoundAnimation, ClipTime, Playback, clip},
-    opacity::Opacities,
     ray::{Intersector, Posable},
     scene::{
         Mesh, Scene,
@@ -285,12 +284,11 @@ fn a_tessellated_mesh_moves_as_the_triangles_that_it_was_cut_from() {
 #[test]
 fn rays_meet_a_deformed_object_as_if_it_had_been_built_so() {
     let (bound, scene) = bound(&mut bending_bar());
-    let opacities = Opacities::of_scene(&scene);
     let baked = Intersector::of_scene(&scene);
     let poses = bound.poses_at(0, 1.3, &Poses::default()).unwrap();
     let mesh = posed(&poses, &scene);
     let moving = poses.moved().collect();
-    let deformed = Posable::new(&baked, &scene.mesh, &opacities, &moving).posed(&mesh);
+    let deformed = Posable::new(&baked, &scene, &moving).posed(&mesh);
     let met = |rays: &Intersector| {
         let hit = |&d: &Vec3| {
             rays.closest_hit(Vec3::new(-1.0, 1.0, 0.9), d).map(|hit| (hit.triangle, hit.distance.to_bits()))

@@ -2,7 +2,8 @@
 //! through one meshless basis (after Fig. 6 of the meshless paper).
 //!
 //! Run with `cargo run --release -p lapidary-precompute --example any_surface -- --out DIR`. It writes `direct.png`,
-//! `indirect.png` and `full.png`. `--progressive` solves without links, and writes `bounce-1.png` and so on. Nothing but [`lapidary_core::surfel::Surface`] ties the light transport to the scene.
+//! `indirect.png` and `full.png`. `--progressive` solves without links, and writes `bounce-1.png` and so on.
+//! Nothing but [`lapidary_core::surfel::Surface`] ties the light transport to the scene.
 
 mod aggregate;
 mod implicit;

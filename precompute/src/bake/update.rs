@@ -262,9 +262,11 @@ impl Updating<'_> {
             [&self.before.scene, &self.geometry.scene].map(|scene| move |source: &Source| is_of_hidden(scene, source));
         let is_shown_again = |source: &Source| was_hidden(source) && !is_hidden(source);
         if carried.iter().any(is_shown_again) {
-            let samples: Vec<(Surfel, f32)> = carried.iter().map(|source| (source.surfel, source.spacing)).collect();
+            // Those of hidden objects own nothing.
+            let shown = carried.iter_mut().filter(|source| !is_hidden(source)).collect::<Vec<_>>();
+            let samples: Vec<(Surfel, f32)> = shown.iter().map(|source| (source.surfel, source.spacing)).collect();
             let areas = sample_areas(&self.surface(), &samples, AREAS_SEED, observer)?;
-            let again = carried.iter_mut().zip(areas).filter(|(source, _)| is_shown_again(source));
+            let again = shown.into_iter().zip(areas).filter(|(source, _)| was_hidden(source));
             again.for_each(|(source, area)| source.area = area);
         }
         carried.iter_mut().filter(|source| is_hidden(source)).for_each(|source| source.area = 0.0);
@@ -277,7 +279,9 @@ impl Updating<'_> {
         let area = |mesh: &Mesh, point: &Surfel| mesh.area_vector(point.place.triangle as usize).length();
         let is_as_large = |point: &Surfel| (area(now, point) / area(before, point) - 1.0).abs() < SAME_SIZE;
         if !bases.points().iter().all(is_as_large) {
-            return place_object_bases(now, &self.surface(), &self.before.settings.object_bases, observer);
+            let Geometry { intersector, sides, .. } = self.geometry;
+            let surface = MeshSurface::new(now, intersector, &sides.two_sided, &|_| Vec3::ZERO);
+            return place_object_bases(now, &surface, &self.before.settings.object_bases, observer);
         }
         let place =
             |(point, owner): (&Surfel, &Owner)| now.surfel(point.place.triangle, point.place.barycentric, owner.back);

@@ -10,6 +10,9 @@ pub enum ShardError {
     /// Invalid numbers.
     #[error("a shard is a number and a total, as in 3/8, at most 10000; the first is 1")]
     Number,
+    /// A share of a bake that hides objects, which takes a whole one.
+    #[error("a share of a bake cannot hide objects; merge the shares, then hide them with --update and --pose")]
+    Hidden,
     /// The folder cannot be read.
     #[error("cannot read the folder: {source}; check the path and the permissions ({})", path.display())]
     Io {

@@ -57,7 +57,6 @@ impl GpuFans {
             mapped_at_creation: false,
         });
         let work = FanWork { uniforms: &uniforms, directions: &toward, fans: &fans, hits: &hits }.bind(gpu);
-        let (_, leaves) = scene.hierarchy();
         Ok(Self {
             pipeline: pipeline(gpu, &FANS, &FanWork::LAYOUT)?,
             hierarchy: hierarchy(gpu, scene)?,
@@ -65,9 +64,18 @@ impl GpuFans {
             fans: Mutex::new(fans),
             hits,
             directions: directions.len(),
-            triangles: (0..leaves.len()).map(|leaf| scene.triangle_of_leaf(leaf)).collect(),
+            triangles: scene.leaf_triangle_ids().to_vec(),
             gpu: gpu.clone(),
         })
+    }
+
+    /// The same rays in another scene.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_scene(self, scene: &Intersector) -> Result<Self, BackendError> {
+        let hierarchy = hierarchy(&self.gpu, scene)?;
+        Ok(Self { hierarchy, triangles: scene.leaf_triangle_ids().to_vec(), ..self })
     }
 
     fn trace(&self, fans: &[Fan]) -> Result<Vec<layout::FanHit>, BackendError> {

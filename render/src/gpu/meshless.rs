@@ -6,13 +6,13 @@ use super::{groups, scene::float_texture};
 use crate::{
     device::{GpuDevice, layout, storage, uniform},
     error::BackendError,
-    light::bounce::MeshlessLight,
+    light::bounce::{MeshlessLight, VerticesAsBaked},
     remedy::Remedy,
     view_mode::BasisView,
 };
 use bytemuck::{NoUninit, Zeroable};
 use glam::{Mat3A, Vec3};
-use lapidary_core::{dataset::Dataset, mesh::Mesh};
+use lapidary_core::dataset::Dataset;
 use std::sync::Arc;
 
 /// Bounced light of the basis as it was last shown.
@@ -47,7 +47,7 @@ impl GpuMeshless {
         light: &Arc<MeshlessLight>,
         shown: BasisView,
     ) -> Result<wgpu::BindGroup, BackendError> {
-        let key = (light.dataset(), light.owners().is_some());
+        let key = (light.dataset(), light.as_baked().is_some());
         let known = self.functions.take().filter(|known| Arc::ptr_eq(&known.0, key.0) && known.1 == key.1);
         let make = || Ok((key.0.clone(), key.1, Functions::new(gpu, light)?));
         let (.., functions) = self.functions.insert(known.map_or_else(make, Ok)?);
@@ -88,7 +88,7 @@ impl Functions {
             slots: within_limits(gpu, "cells of the meshless basis", basis.grid().slots())?,
             entries: within_limits(gpu, "entries of the meshless basis", basis.grid().entries())?,
             functions: within_limits(gpu, "functions of the meshless basis", &functions)?,
-            places: places(gpu, light.owners().map(|owners| (&light.dataset().scene.mesh, &**owners))),
+            places: places(gpu, light.as_baked().map(|vertices| &**vertices)),
         })
     }
 }
@@ -97,10 +97,12 @@ impl Functions {
 const WIDTH: usize = 8192;
 
 /// The place of each vertex as baked, and its object, row by row; a single texel for functions that are not of objects.
-fn places(gpu: &GpuDevice, of_objects: Option<(&Mesh, &[u32])>) -> wgpu::TextureView {
-    let Some((mesh, owners)) = of_objects else { return float_texture(gpu, "no places", [1, 1], &[[0.0; 4]]) };
+fn places(gpu: &GpuDevice, as_baked: Option<&VerticesAsBaked>) -> wgpu::TextureView {
+    let Some(VerticesAsBaked { positions, owners }) = as_baked else {
+        return float_texture(gpu, "no places", [1, 1], &[[0.0; 4]]);
+    };
     let place = |(position, &object): (&Vec3, &u32)| position.extend(object as f32).to_array();
-    let mut texels: Vec<[f32; 4]> = mesh.positions.iter().zip(owners).map(place).collect();
+    let mut texels: Vec<[f32; 4]> = positions.iter().zip(owners).map(place).collect();
     texels.resize(texels.len().next_multiple_of(WIDTH).max(WIDTH), [0.0; 4]);
     float_texture(gpu, "places as baked", [WIDTH as u32, (texels.len() / WIDTH) as u32], &texels)
 }
@@ -124,7 +126,7 @@ fn within_limits<T: NoUninit + Zeroable>(
 }
 
 fn uniforms(light: &MeshlessLight, shown: BasisView) -> layout::BasisUniforms {
-    let (basis, of_objects) = (light.functions(), light.owners().is_some());
+    let (basis, of_objects) = (light.functions(), light.as_baked().is_some());
     let grid = basis.grid();
     let mut levels = [layout::BasisLevel::zeroed(); layout::constants::MOST_BASIS_LEVELS];
     for (level, place) in levels.iter_mut().take(basis.levels()).enumerate() {

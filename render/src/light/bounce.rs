@@ -24,7 +24,10 @@ use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
 pub(crate) use lit_points::LitPoints;
-pub use meshless::{MeshlessRig, functions::MeshlessLight};
+pub use meshless::{
+    MeshlessRig,
+    functions::{MeshlessLight, VerticesAsBaked},
+};
 pub use radiosity::{RadiosityRays, RadiosityRig};
 
 /// Samples of an area light along each of its sides, at each part of a source.

@@ -45,7 +45,7 @@ impl Drift {
                 (gathered_changes(baked, old, new)?, of_vertices)
             }
             (BounceLight::Functions(old), BounceLight::Functions(new))
-                if [old, new].iter().all(|light| light.owners().is_none()) =>
+                if [old, new].iter().all(|light| light.as_baked().is_none()) =>
             {
                 if self.points.is_none() {
                     self.points = Some(ComparedPoints::new(baked)?);

@@ -32,7 +32,7 @@ pub enum BounceLight {
     Vertices(Arc<Sides>),
     /// Surface sources, which cuts gather (paper, 4.1).
     Sources(Arc<SourceLighting>),
-    /// Functions of the meshless basis.
+    /// Meshless functions.
     Functions(Arc<MeshlessLight>),
 }
 

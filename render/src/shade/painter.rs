@@ -241,7 +241,9 @@ impl<'a> Painter<'a> {
     fn basis_value(&self, point: &SurfacePoint) -> Vec3 {
         let Some(Bounce::Functions(light)) = self.bounce else { return Vec3::ZERO };
         let gray = Vec3::splat(BASIS_GREY * point.wo.z);
-        let Some(place) = place(light, point) else { return gray };
+        let Some(place) = place(light, point) else {
+            return if self.mode == ViewMode::BasisLevel { Vec3::ZERO } else { gray };
+        };
         match self.mode {
             ViewMode::BasisLevel => light.level_part(self.basis.level, &place, point.world_from_local.z_axis),
             ViewMode::BasisFunction => gray.lerp(Vec3::X, light.function_value(self.basis.function, &place)),

@@ -1,4 +1,5 @@
 //! Rays that follow moves of objects: a move only tells which rays it may change; they are traced again when their receiver gathers.
+//! A device that traces rays traces all of such a receiver: telling them apart would take longer.
 
 use super::Radiosity;
 use crate::{
@@ -39,7 +40,7 @@ impl Radiosity {
         self.look_again(surface, moved, left);
     }
 
-    /// Kept rays that were traced again since the last move.
+    /// Kept rays that were traced again since the last move. A device traces all rays of a receiver again.
     pub fn traced_again(&self) -> u64 {
         self.moves.traced_again
     }

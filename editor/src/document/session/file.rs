@@ -70,7 +70,6 @@ pub struct SessionPose {
     pub rotate_degrees: Vec3,
     pub scale: f32,
     /// Whether the object is hidden.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub hidden: bool,
 }
 

@@ -167,6 +167,18 @@ fn an_object_that_was_baked_in_an_animation_is_shown_where_the_next_bake_has_it(
         assert!(apart(&shown(seconds, &turned), &again) < 1e-4, "{seconds} s");
         assert!(apart(&shown(seconds, &Poses::default()), &again) > 0.1, "negative control: not turned");
     }
+    let mut hidden = turned.clone();
+    hidden.set(block, Pose { hidden: true, ..turned.of(block) });
+    let gone = baked(1.0, &hidden);
+    for seconds in [1.0, 0.4] {
+        let seen = |poses: &Poses| {
+            let since = bound(&gone).poses_at(clip, seconds, &gone.poses_since_baked(poses)).unwrap();
+            since.pose(&gone.mesh, &Objects::of(&gone)).unwrap()
+        };
+        let expected = baked(seconds, &turned).mesh;
+        assert!(apart(&seen(&turned), &expected) < 1e-4, "shown again at {seconds} s");
+        assert!(apart(&seen(&hidden), &expected) > 0.1, "negative control: still hidden");
+    }
     let about_its_box = turned.pose(&before.mesh, &Objects::of(&before)).unwrap();
     assert!(apart(&about_its_box, &baked(1.0, &turned).mesh) > 0.1, "negative control: another center");
 }

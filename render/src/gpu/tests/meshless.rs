@@ -11,7 +11,7 @@ use crate::{
     LocalLighting, LocalRig, Post, Renderer, SceneLighting, Solution, View, ViewMode,
     gpu::GpuBackend,
     light::{
-        bounce::{MeshlessLight, meshless::functions::tests::with_functions_of_objects},
+        bounce::{MeshlessLight, VerticesAsBaked, meshless::functions::tests::with_functions_of_objects},
         implicit::tests::{blocked, posed},
     },
     shade::painter::PictureLight,
@@ -152,8 +152,8 @@ fn functions_of_objects_go_with_them_on_both_renderers() {
     let mut vector = || Vec3A::from_array(std::array::from_fn(|_| random.f32() + 0.2));
     let coefficients = bases.points().iter().map(|_| Mat3A::from_cols(vector(), vector(), vector())).collect();
     let light = |dataset: &Arc<Dataset>| {
-        let owners: Arc<[u32]> = dataset.scene.mesh.owners().into();
-        MeshlessLight::of_objects(dataset, &owners, Vec::clone(&coefficients)).unwrap()
+        let as_baked = VerticesAsBaked::of(&dataset.scene.mesh).into();
+        MeshlessLight::of_objects(dataset, &as_baked, Vec::clone(&coefficients)).unwrap()
     };
     let on_gpu = |gpu: &mut GpuBackend, view: &View| {
         let bounce = Some(BounceLight::Functions(light(&as_baked).into()));

@@ -1,7 +1,7 @@
 //! Bounced light of posed objects, solved anew in functions that lie on them (meshless radiosity). Rays are kept: a move traces only
 //! those again that it changes.
 
-use super::{MeshlessLight, lit_points::LitPoints};
+use super::{MeshlessLight, VerticesAsBaked, lit_points::LitPoints};
 use crate::{
     baked::Baked,
     device::{Compute, GpuFans},
@@ -38,14 +38,15 @@ const RECEIVERS_OF_A_STEP: usize = 1024;
 /// Solves for bounced light bounce by bounce, as baked or posed.
 pub struct RadiosityRig {
     as_baked: Baked,
+    /// The mesh as baked, with hidden objects where they would be: there functions lie on them.
+    mesh: Mesh,
+    vertices: Arc<VerticesAsBaked>,
     posed: Baked,
     poses: Poses,
     solver: Radiosity,
     /// The functions under local lights.
     lit: LitPoints,
     sky: SkyGrid,
-    /// The object of each vertex.
-    owners: Arc<[u32]>,
     light: Option<RadiosityLight>,
     /// Number of the present solution.
     begun: u64,
@@ -70,13 +71,28 @@ impl RadiosityRig {
     pub fn new(baked: &Baked) -> Option<Self> {
         let bases = (**baked.dataset.object_bases.as_ref()?).clone();
         let lit = LitPoints::new(baked, bases.points().to_vec(), AREA_SAMPLES).in_spatial_order();
-        let owners = baked.dataset.scene.mesh.owners().into();
+        let mesh = baked.dataset.scene.shown_mesh().into_owned();
+        let vertices = VerticesAsBaked::of(&mesh).into();
         let solver = Radiosity::new(bases, RadiositySettings::DEFAULT);
         let (as_baked, posed, sky) = (baked.clone(), baked.clone(), SkyGrid::new(None));
         let (poses, compute) = (Poses::default(), Compute::Cores);
         let (light, on_device, at_sources) = (None, None, None);
         let begun = 0;
-        Some(Self { as_baked, posed, poses, solver, lit, sky, owners, light, begun, compute, on_device, at_sources })
+        Some(Self {
+            as_baked,
+            mesh,
+            vertices,
+            posed,
+            poses,
+            solver,
+            lit,
+            sky,
+            light,
+            begun,
+            compute,
+            on_device,
+            at_sources,
+        })
     }
 
     /// The number of the present solution.
@@ -93,7 +109,7 @@ impl RadiosityRig {
 
     /// Goes on with the next bounce, for some tenths of a second at most.
     pub fn step(&mut self) -> RadiosityStep {
-        let Self { as_baked, posed, solver, lit, sky: sky_grid, light, on_device, .. } = self;
+        let Self { mesh, posed, solver, lit, sky: sky_grid, light, on_device, .. } = self;
         let sky = |direction| sky_grid.radiance(direction);
         let lit = LitFunctions {
             direct: &lit.irradiance(),
@@ -101,7 +117,7 @@ impl RadiosityRig {
             emitted: lit.emission(),
             sky: sky_grid.shines().then_some(&sky),
         };
-        on_surface((as_baked, posed), on_device.as_ref(), |surface| match light {
+        on_surface((mesh, posed), on_device.as_ref(), |surface| match light {
             Some(light) => solver.advance(surface, &lit, light, RECEIVERS_OF_A_STEP),
             none => {
                 *none = Some(solver.begin(surface, &lit));
@@ -112,7 +128,7 @@ impl RadiosityRig {
 
     /// All bounces so far, for any point.
     pub fn shown(&self) -> Option<MeshlessLight> {
-        MeshlessLight::of_objects(&self.as_baked.dataset, &self.owners, self.light.as_ref()?.total.clone())
+        MeshlessLight::of_objects(&self.as_baked.dataset, &self.vertices, self.light.as_ref()?.total.clone())
     }
 
     /// Irradiance of all bounces so far at the surface sources in W/m²; of a scene as baked.
@@ -156,30 +172,36 @@ impl RadiosityRig {
         let left: Vec<Bounds> = boxes(&self.posed.dataset.scene.mesh, &changed).into_values().collect();
         let now = boxes(&scene.dataset.scene.mesh, &changed);
         (self.posed, self.poses, self.light) = (scene.clone(), poses.clone(), None);
-        let Self { as_baked, posed, solver, lit, .. } = self;
-        let points = on_surface((as_baked, posed), None, |surface| {
+        let Self { mesh, posed, solver, lit, .. } = self;
+        let points = on_surface((mesh, posed), None, |surface| {
             solver.follow(surface, &now, &left);
             solver.placed_points(surface)
         });
         lit.pose(posed, points);
-        self.take_to_device();
     }
 
     /// Takes the posed scene to the device. The cores trace what it does not take.
     fn take_to_device(&mut self) {
-        let Compute::Device(device) = &self.compute else { return self.on_device = None };
-        self.on_device = GpuFans::new(device, self.posed.intersector(), self.solver.directions()).ok();
+        let (scene, known) = (self.posed.intersector(), self.on_device.take());
+        self.on_device = match (&self.compute, known) {
+            (Compute::Cores, _) => None,
+            (Compute::Device(_), Some(known)) => known.with_scene(scene).ok(),
+            (Compute::Device(device), None) => GpuFans::new(device, scene, self.solver.directions()).ok(),
+        };
     }
 }
 
 impl Relight for RadiosityRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
-        if !self.compute.is_same(&situation.compute) {
-            self.compute = situation.compute.clone();
-            self.take_to_device();
+        let is_elsewhere = !self.compute.is_same(&situation.compute);
+        if is_elsewhere {
+            (self.compute, self.on_device) = (situation.compute.clone(), None);
         }
         if changes.poses {
             self.pose(&situation.scene, &situation.poses);
+        }
+        if changes.poses || is_elsewhere {
+            self.take_to_device();
         }
         if changes.environment {
             self.sky = SkyGrid::of(situation);
@@ -193,7 +215,7 @@ impl Relight for RadiosityRig {
 
 /// Calls `act` with the posed surface.
 fn on_surface<T>(
-    (as_baked, posed): (&Baked, &Baked),
+    (as_baked, posed): (&Mesh, &Baked),
     device: Option<&GpuFans>,
     act: impl FnOnce(&CarryingMesh) -> T,
 ) -> T {
@@ -202,7 +224,7 @@ fn on_surface<T>(
     let black = |_: &Surfel| Vec3::ZERO;
     let now = MeshSurface::new(&dataset.scene.mesh, posed.intersector(), &dataset.two_sided, &black);
     let device = device.map(|device| device as &dyn FanDevice);
-    act(&CarryingMesh::new(&as_baked.dataset.scene.mesh, now).on_device(device))
+    act(&CarryingMesh::new(as_baked, now).on_device(device))
 }
 
 /// Boxes around some objects of a mesh, those that have triangles.

@@ -79,7 +79,10 @@ impl Left<'_> {
 impl Covered {
     pub fn new(dataset: &Dataset, forest: &SurfelForest) -> Self {
         let mesh = &dataset.scene.mesh;
-        let vertices: Vec<f32> = dataset.vertex_valid.iter().map(|&valid| f32::from(u8::from(valid))).collect();
+        // What the bake hid was not looked at where it would be.
+        let is_open = |(&valid, object): (&bool, u32)| valid || dataset.scene.hidden.contains_key(&object);
+        let vertices = dataset.vertex_valid.iter().zip(mesh.owners()).map(is_open);
+        let vertices: Vec<f32> = vertices.map(|open| f32::from(u8::from(open))).collect();
         let open = |at: &Surfel| {
             let MeshPlace { triangle, barycentric: b } = at.place;
             let corners = mesh.triangles[triangle as usize].iter().zip([1.0 - b.x - b.y, b.x, b.y]);

@@ -1,5 +1,5 @@
 //! Many bounces in functions of the objects, added to the surface sources, which cuts gather. Cuts know nothing of a move until they
-//! are baked anew: till then the vertices show the light.
+//! are baked anew: till then functions show the light.
 
 use super::{BounceLight, BounceSolver, radiosity::RadiositySolver, rigs::Rigs, solutions::Described};
 use crate::light::{
@@ -44,7 +44,7 @@ impl BounceSolver for CutsOverRadiosity {
             self.further = None;
         }
         let changes = is_now_whole || changes.poses || changes.relight() || changes.gathering;
-        if is_as_baked && !self.vertices_know_more() {
+        if is_as_baked && !self.functions_know_more() {
             if changes || self.gathered.is_none() {
                 self.gathered = self.gather(situation, rigs);
             }
@@ -64,8 +64,8 @@ impl BounceSolver for CutsOverRadiosity {
 }
 
 impl CutsOverRadiosity {
-    /// Whether only the vertices have a whole light.
-    fn vertices_know_more(&self) -> bool {
+    /// Whether only the functions have a whole light.
+    fn functions_know_more(&self) -> bool {
         self.further.is_none() && self.solver.was_ever_whole()
     }
 
@@ -129,7 +129,7 @@ mod tests {
             Self { rigs: Rigs::new(&baked), solver: CutsOverRadiosity::default(), situation, baked }
         }
 
-        /// All steps after a change: radiance of the sources where cuts gather, `None` where vertices show the light.
+        /// All steps after a change: radiance of the sources where cuts gather, `None` where functions show the light.
         fn steps(&mut self, changes: Changes) -> Vec<Option<f32>> {
             let (mut changes, mut steps) = (changes, Vec::new());
             self.rigs.note(changes);
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn cuts_gather_as_baked_and_vertices_show_what_they_alone_know() {
+    fn cuts_gather_as_baked_and_functions_show_what_they_alone_know() {
         let mut stage = Stage::new(3.0);
         let first = stage.steps(Changes::ALL);
         let (one_bounce, all) = (first[0].unwrap(), first[first.len() - 1].unwrap());

@@ -94,7 +94,11 @@ impl RadiositySolver {
     fn with_rest_of_before(&self) -> Option<Arc<MeshlessLight>> {
         let now = self.steps.last()?;
         let rest = self.before.get(self.steps.len() - 1).zip(self.before.last()).filter(|_| !self.is_whole);
-        let Some((same, all)) = rest else { return Some(now.clone()) };
+        // A bake may have placed other functions since.
+        let are_of_now = |(same, all): &(&Arc<MeshlessLight>, &Arc<MeshlessLight>)| {
+            [same, all].iter().all(|light| light.has_functions_of(now))
+        };
+        let Some((same, all)) = rest.filter(are_of_now) else { return Some(now.clone()) };
         let coefficients = [now, all, same].map(|light| light.coefficients());
         let with_rest = |function: usize| {
             let [now, all, same] = coefficients.map(|of| of[function]);

@@ -7,7 +7,7 @@ use crate::{
     terminal::{Console, ProgressReporter, ProgressStyle, option_name, write_json},
     values,
 };
-use anyhow::{Context, Error, Result, ensure};
+use anyhow::{Context, Error, Result};
 use clap::{Args, ValueEnum, builder::RangedU64ValueParser};
 use lapidary_core::{
     animation::{BoundAnimation, ClipTime, Playback},
@@ -257,12 +257,7 @@ impl BakeArgs {
             settings = settings.with_ground(ground);
         }
         let poses = self.pose.as_deref().map(|path| Poses::read(path, &imported.scene)).transpose()?;
-        let poses = poses.unwrap_or_default();
-        ensure!(
-            self.shard.is_none() || !poses.has_hidden(),
-            "a share of a bake cannot hide objects; merge the shares, then hide them with --update and --pose"
-        );
-        let (poses, clip_time) = self.posed_in_time(poses, &imported.scene, &options)?;
+        let (poses, clip_time) = self.posed_in_time(poses.unwrap_or_default(), &imported.scene, &options)?;
         let shots = self.shots.iter().map(|shot| shot.of(&imported.scene)).collect::<Result<_>>()?;
         let settings = settings.for_shots(shots)?;
         let job = BakeJob {

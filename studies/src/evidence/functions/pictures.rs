@@ -54,7 +54,7 @@ pub fn record_basis(
             parts.push(bounced.clone());
             parts.into_iter().map(|part| part.scaled(exposure(&bounced))).collect::<Vec<_>>()
         })?,
-        measurement.shown("Fig. 4", "one function on each of four levels", &{
+        measurement.shown("Fig. 4", "one function of each level", &{
             let of = |&function: &u32| measurement.basis_view(dataset, &look, ViewMode::BasisFunction, 0, function);
             functions.iter().map(of).collect::<Result<Vec<_>>>()?
         })?,
@@ -145,7 +145,9 @@ fn near_the_middle(dataset: &Arc<Dataset>, look: &Look, functions: &Functions) -
     let hit = Baked::from(dataset.clone()).intersector().closest_hit(camera.eye, direction);
     let at = camera.eye + direction * hit.map_or(0.0, |hit| hit.distance);
     let distance = |function: &usize| functions.points()[*function].position.distance_squared(at);
-    let nearest = |level: usize| functions.level(level).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let faces = |function: &usize| functions.points()[*function].normal.dot(direction) < 0.0;
+    let nearest =
+        |level: usize| functions.level(level).filter(faces).min_by(|a, b| distance(a).total_cmp(&distance(b)));
     (0..functions.levels().min(LEVELS_OF_A_FUNCTION)).filter_map(nearest).map(|function| function as u32).collect()
 }
 

@@ -35,7 +35,7 @@ struct BasisRow {
     /// Placing the functions, and finding the links.
     precompute_seconds: f64,
     bytes: u64,
-    /// From lights to the picture with all bounces.
+    /// From a dataset to its first picture with all bounces.
     picture_seconds: f64,
     #[serde(flatten)]
     figures: Figures,

@@ -5,6 +5,7 @@ use glam::{Mat3A, Vec3};
 use lapidary_core::{
     color::luminance,
     dataset::Dataset,
+    mesh::Mesh,
     meshless::{FunctionPlace, Functions},
 };
 use rayon::prelude::*;
@@ -18,12 +19,29 @@ pub(crate) const POINT_RADIUS: f32 = 0.08;
 #[derive(Clone)]
 pub struct MeshlessLight {
     dataset: Arc<Dataset>,
-    /// The object of each vertex, if the functions are those of objects. Their levels hold absolute values, each finer than the one
+    /// The vertices as baked, if the functions are those of objects. Their levels hold absolute values, each finer than the one
     /// before; those of a basis are summed.
-    owners: Option<Arc<[u32]>>,
+    as_baked: Option<Arc<VerticesAsBaked>>,
     coefficients: Vec<Mat3A>,
-    /// Whether any function in the cell of each grid slot carries light. Most cells of the finest levels of a basis have none.
+    /// Whether any function in the cell of each grid slot carries light; empty for functions of objects. Most cells of the finest
+    /// levels of a basis have none.
     is_lit: Vec<bool>,
+}
+
+/// Where the vertices of a scene were as baked, with those of hidden objects where they would be.
+#[derive(Debug)]
+pub struct VerticesAsBaked {
+    /// Positions in meters.
+    pub positions: Vec<Vec3>,
+    /// The object of each.
+    pub owners: Vec<u32>,
+}
+
+impl VerticesAsBaked {
+    /// The vertices of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        Self { positions: mesh.positions.clone(), owners: mesh.owners() }
+    }
 }
 
 impl fmt::Debug for MeshlessLight {
@@ -44,25 +62,28 @@ impl MeshlessLight {
         let grid = bake.basis.functions().grid();
         let is_lit = |slot: usize| grid.functions_in(slot).iter().any(|&f| coefficients[f as usize] != Mat3A::ZERO);
         let is_lit = (0..grid.slots().len()).into_par_iter().with_min_len(1024).map(is_lit).collect();
-        Some(Self { dataset: dataset.clone(), owners: None, coefficients, is_lit })
+        Some(Self { dataset: dataset.clone(), as_baked: None, coefficients, is_lit })
     }
 
-    /// Light of the functions of a dataset's objects. `owners` has the object of each vertex. `None` if the dataset has no such
-    /// functions.
+    /// Light of the functions of a dataset's objects, with its vertices. `None` if the dataset has no such functions.
     ///
     /// # Panics
     /// As [`Self::new`].
-    pub fn of_objects(dataset: &Arc<Dataset>, owners: &Arc<[u32]>, coefficients: Vec<Mat3A>) -> Option<Self> {
+    pub fn of_objects(
+        dataset: &Arc<Dataset>,
+        as_baked: &Arc<VerticesAsBaked>,
+        coefficients: Vec<Mat3A>,
+    ) -> Option<Self> {
         assert_eq!(dataset.object_bases.as_ref()?.len(), coefficients.len(), "one coefficient per function");
-        Some(Self { dataset: dataset.clone(), owners: Some(owners.clone()), coefficients, is_lit: Vec::new() })
+        Some(Self { dataset: dataset.clone(), as_baked: Some(as_baked.clone()), coefficients, is_lit: Vec::new() })
     }
 
     /// The same functions with other coefficients.
     #[must_use]
     pub fn with_coefficients(&self, coefficients: Vec<Mat3A>) -> Self {
-        let Self { dataset, owners, .. } = self;
-        let light = match owners {
-            Some(owners) => Self::of_objects(dataset, owners, coefficients),
+        let Self { dataset, as_baked, .. } = self;
+        let light = match as_baked {
+            Some(as_baked) => Self::of_objects(dataset, as_baked, coefficients),
             None => Self::new(dataset, coefficients),
         };
         light.expect("the dataset has these functions")
@@ -73,9 +94,16 @@ impl MeshlessLight {
         &self.dataset
     }
 
-    /// The object of each vertex, if the functions are those of objects.
-    pub fn owners(&self) -> Option<&Arc<[u32]>> {
-        self.owners.as_ref()
+    /// The vertices as baked, if the functions are those of objects.
+    pub fn as_baked(&self) -> Option<&Arc<VerticesAsBaked>> {
+        self.as_baked.as_ref()
+    }
+
+    /// Whether both are of the same functions: a coefficient of one stands for the same function of the other.
+    pub(crate) fn has_functions_of(&self, other: &Self) -> bool {
+        let [a, b] = [self, other].map(|light| (light.as_baked.is_some(), light.functions()));
+        let places = |functions: &Functions| functions.points().iter().map(|point| point.place).collect::<Vec<_>>();
+        a.0 == b.0 && a.1.offsets() == b.1.offsets() && places(a.1) == places(b.1)
     }
 
     /// The functions.
@@ -83,7 +111,7 @@ impl MeshlessLight {
         let Dataset { meshless, object_bases, .. } = &*self.dataset;
         let of_objects = || object_bases.as_ref().expect("it was made with functions of objects").functions();
         let of_scene = || meshless.as_ref().expect("it was made with a basis").basis.functions();
-        if self.owners.is_some() { of_objects() } else { of_scene() }
+        if self.as_baked.is_some() { of_objects() } else { of_scene() }
     }
 
     /// Vector irradiance of each function in W/m², one column per color channel.
@@ -100,11 +128,11 @@ impl MeshlessLight {
         barycentric: Vec3,
         from_behind: bool,
     ) -> Option<FunctionPlace> {
-        let Some(owners) = &self.owners else { return Some(shown) };
-        let [a, b, c] = vertices.map(|vertex| self.dataset.scene.mesh.positions[vertex as usize]);
+        let Some(as_baked) = &self.as_baked else { return Some(shown) };
+        let [a, b, c] = vertices.map(|vertex| as_baked.positions[vertex as usize]);
         let normal = (b - a).cross(c - a).normalize_or_zero() * if from_behind { -1.0 } else { 1.0 };
         let position = a * barycentric.x + b * barycentric.y + c * barycentric.z;
-        self.dataset.object_bases.as_ref()?.place(owners[vertices[0] as usize], position, normal)
+        self.dataset.object_bases.as_ref()?.place(as_baked.owners[vertices[0] as usize], position, normal)
     }
 
     /// Vector irradiance at a surface point. Functions lie on faces, so its normal is the face's on the visible side.
@@ -122,7 +150,7 @@ impl MeshlessLight {
             let is_lit = self.is_lit.get(slot).is_none_or(|&lit| lit);
             is_lit.then(|| functions.evaluate_in(slot, level, place, &self.coefficients)).flatten()
         };
-        if self.owners.is_some() {
+        if self.as_baked.is_some() {
             return levels.rev().find_map(of_level).unwrap_or(Mat3A::ZERO);
         }
         if from_behind && !is_back_lit(functions, place) {
@@ -232,14 +260,14 @@ pub(crate) mod tests {
     fn functions_of_an_object_light_it_alone_wherever_it_is() {
         let dataset = Arc::new(with_functions_of_objects(blocked(white(), 8)));
         let (mesh, bases) = (&dataset.scene.mesh, dataset.object_bases.as_ref().unwrap());
-        let owners: Arc<[u32]> = mesh.owners().into();
+        let as_baked = VerticesAsBaked::of(mesh).into();
         // Another light for each object and level; that of the coarse level never shows where the fine one reaches.
         let of = |function: usize| {
             let (object, level) = (bases.owners()[function].object, bases.level_of(function as u32));
             Mat3A::IDENTITY * (1.0 + object as f32 + 10.0 * (1 - level) as f32)
         };
         let coefficients: Vec<Mat3A> = (0..bases.len()).map(of).collect();
-        let light = MeshlessLight::of_objects(&dataset, &owners, coefficients).unwrap();
+        let light = MeshlessLight::of_objects(&dataset, &as_baked, coefficients).unwrap();
         for (triangle, &vertices) in mesh.triangles.iter().enumerate() {
             let object = mesh.triangle_object[triangle];
             // Wherever the picture shows it: here all lie upon each other.
@@ -251,8 +279,12 @@ pub(crate) mod tests {
         let of_blocker = light.place(below(Vec3::ZERO), blocker, Vec3::splat(1.0 / 3.0), false).unwrap();
         let of_floor = FunctionPlace { first_key: 0, ..of_blocker };
         assert_ne!(light.at(&of_floor, false), light.at(&of_blocker, false), "negative control: the floor's functions");
+        let other = Arc::new(with_functions_of_objects(blocked(white(), 10)));
+        let count = other.object_bases.as_ref().unwrap().len();
+        let other = MeshlessLight::of_objects(&other, &as_baked, vec![Mat3A::ZERO; count]).unwrap();
+        assert!(light.has_functions_of(&light.clone()) && !light.has_functions_of(&other));
         let dark = light.with_coefficients(vec![Mat3A::ZERO; bases.len()]);
-        assert!(dark.owners().is_some() && dark.at(&of_blocker, false) == Mat3A::ZERO);
+        assert!(dark.as_baked().is_some() && dark.at(&of_blocker, false) == Mat3A::ZERO);
     }
 
     #[test]
