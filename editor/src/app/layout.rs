@@ -214,14 +214,24 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
 fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str> {
     if !state.pose.poses_since(&state.work, baked).is_empty() {
         let is_solved = state.picture.shown().is_some_and(|shown| shown.tier == Tier::Solved);
-        return Some(match is_solved {
-            true => "Bounced light is solved for the moved objects. Their shadows of the environment are a preview",
-            false => "Preview: implicit visibility. Shadows of moved objects are coarse; bake again for exact ones",
+        return Some(match (is_solved, state.baking.is_updating()) {
+            (true, _) => {
+                "Bounced light is solved for the moved objects. Their shadows of the environment are a preview"
+            }
+            (false, true) => {
+                "Preview: implicit visibility. Shadows of moved objects are coarse; exact ones are being baked"
+            }
+            (false, false) => {
+                "Preview: implicit visibility. Shadows of moved objects are coarse; bake again for exact ones"
+            }
         });
     }
     let opacity = || {
         let is_other = state.work.document.lets_through_otherwise(&baked.dataset.scene);
-        is_other.then_some("Opacity was edited; bake again to update its shadows")
+        is_other.then_some(match state.baking.is_updating() {
+            true => "Opacity was edited; its shadows are being baked",
+            false => "Opacity was edited; bake again to update its shadows",
+        })
     };
     state.baking.words(state.work.scene.seen()).or_else(opacity)
 }

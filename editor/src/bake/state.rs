@@ -125,6 +125,11 @@ impl Baking {
         self.run.as_ref().map(|run| run.job.progress())
     }
 
+    /// Whether cuts are baked anew where an edit reaches.
+    pub fn is_updating(&self) -> bool {
+        self.run.as_ref().is_some_and(|run| run.of_poses.is_some())
+    }
+
     /// One line about the running bake: its phase, its progress and what follows.
     pub fn line(&self) -> Option<String> {
         line(&self.run.as_ref()?.status())
