@@ -64,11 +64,11 @@ impl Radiosity {
     }
 
     /// The rays of a function as they are now; `traced` has them if a device traced them.
-    pub(super) fn renewed(&self, surface: &dyn Carrier, function: u32, traced: Option<&Box<[GatherHit]>>) -> Renewed {
+    pub(super) fn renewed(&self, surface: &dyn Carrier, function: u32, traced: Option<&[GatherHit]>) -> Renewed {
         match (self.table.row(function), traced) {
             (Some(_), _) if self.is_known(function) => Renewed::Kept,
-            (Some(_), Some(traced)) => Renewed::Again(traced.clone(), traced.len() as u64),
-            (None, Some(traced)) => Renewed::New(traced.clone()),
+            (Some(_), Some(traced)) => Renewed::Again(traced.into(), traced.len() as u64),
+            (None, Some(traced)) => Renewed::New(traced.into()),
             (Some(row), None) => self.traced_where_changed(surface, function, row),
             (None, None) => Renewed::New(self.row(surface, function)),
         }

@@ -143,7 +143,7 @@ impl Radiosity {
         let unknown: Vec<u32> = functions.iter().copied().filter(|&function| !self.is_known(function)).collect();
         let traced = self.rows_at_once(surface, &unknown).unwrap_or_default();
         let of = |&function: &u32| -> Traced {
-            let rays = self.renewed(surface, function, traced.get(&function));
+            let rays = self.renewed(surface, function, traced.get(&function).map(|row| &**row));
             let hits = rays.row().or(self.table.row(function)).expect("it was traced now or before");
             let frame = self.placed(surface, function).frame;
             (Gather { fan: &self.fan, frame, hits, first_sender }.of(sent, sky), rays)
