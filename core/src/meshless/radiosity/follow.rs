@@ -1,5 +1,5 @@
 //! Rays that follow moves of objects: a move only tells which rays it may change; they are traced again when their receiver gathers.
-//! A device that traces rays traces all of such a receiver: telling them apart would take longer.
+//! A device that traces rays traces all of such a receiver.
 
 use super::Radiosity;
 use crate::{
