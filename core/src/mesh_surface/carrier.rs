@@ -68,6 +68,10 @@ impl Carrier for CarryingMesh<'_> {
         hits.into_iter().map(|eight| eight.map(|hit| self.end(hit))).collect()
     }
 
+    fn traces_fans(&self) -> bool {
+        self.device.is_some()
+    }
+
     fn ends_of_fans(&self, fans: &[Fan], directions: &[Vec3]) -> Option<Vec<RayEnd>> {
         let hits = self.device?.first_hits(fans).ok()?;
         let ends = hits.into_par_iter().enumerate().map(|(ray, hit)| {

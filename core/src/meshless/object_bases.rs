@@ -34,6 +34,11 @@ pub trait Carrier: Surface {
         self.first_hits(origin, directions).into_iter().map(|eight| eight.map(end)).collect()
     }
 
+    /// Whether a device traces rays of fans.
+    fn traces_fans(&self) -> bool {
+        false
+    }
+
     /// The ends of the rays of several fans at once, fan by fan, if a device traces them.
     fn ends_of_fans(&self, _fans: &[Fan], _directions: &[Vec3]) -> Option<Vec<RayEnd>> {
         None

@@ -267,6 +267,9 @@ impl Radiosity {
 
     /// The rays of some functions, if a device traces them.
     fn rows_at_once(&self, surface: &dyn Carrier, functions: &[u32]) -> Option<HashMap<u32, Box<[GatherHit]>>> {
+        if !surface.traces_fans() {
+            return None;
+        }
         let fans: Vec<Fan> = functions.iter().map(|&function| self.placed(surface, function)).collect();
         let ends = surface.ends_of_fans(&fans, self.fan.directions())?;
         let rows = functions.par_iter().zip(&fans).zip(ends.par_chunks(self.fan.directions().len()));

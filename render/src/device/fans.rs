@@ -6,7 +6,7 @@ use super::{
     compute::SharedDevice,
     kernels::{FANS, FanWork},
     layout,
-    rays::{hierarchy, pipeline},
+    rays::{dispatch, hierarchy, pipeline},
     readback::read_range,
 };
 use crate::error::BackendError;
@@ -17,9 +17,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Fans of one piece of work, so that a desktop stays alive.
 const FANS_AT_A_TIME: usize = 256;
-
-/// Directions of a workgroup, as in the shader.
-const DIRECTIONS_PER_GROUP: u32 = 64;
 
 /// Bit of the back of a triangle, as in the shader.
 const BACK: u32 = 1 << 31;
@@ -83,16 +80,7 @@ impl GpuFans {
         let packed: Vec<layout::Fan> = fans.iter().map(packed).collect();
         let held = self.fans.lock().unwrap_or_else(PoisonError::into_inner);
         gpu.queue.write_buffer(&held, 0, bytemuck::cast_slice(&packed));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &self.hierarchy, &[]);
-            pass.set_bind_group(1, &self.work, &[]);
-            let groups = (self.directions as u32).div_ceil(DIRECTIONS_PER_GROUP);
-            pass.dispatch_workgroups(groups, fans.len() as u32, 1);
-        }
-        gpu.queue.submit([encoder.finish()]);
+        dispatch(gpu, &self.pipeline, [&self.hierarchy, &self.work], [self.directions as u32, fans.len() as u32]);
         read_range(gpu, &self.hits, 0..fans.len() * self.directions)
     }
 

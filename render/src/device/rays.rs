@@ -21,7 +21,7 @@ use wgpu::BufferUsages as Usages;
 /// Origins of one piece of work, so that a desktop stays alive and a bake can be cancelled.
 const ORIGINS_AT_A_TIME: usize = 64;
 
-/// Directions of a workgroup, as in the shader.
+/// Directions of a workgroup, as in the shaders.
 const DIRECTIONS_PER_GROUP: u32 = 64;
 
 /// Most levels of a hierarchy, as in the shader.
@@ -145,17 +145,27 @@ impl GpuRayScene {
         let packed: Vec<layout::RayOrigin> = origins.iter().map(packed_origin).collect();
         let held = self.origins.lock().unwrap_or_else(PoisonError::into_inner);
         gpu.queue.write_buffer(&held, 0, bytemuck::cast_slice(&packed));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &self.hierarchy, &[]);
-            pass.set_bind_group(1, &self.work, &[]);
-            pass.dispatch_workgroups(self.directions.div_ceil(DIRECTIONS_PER_GROUP), origins.len() as u32, 1);
-        }
-        gpu.queue.submit([encoder.finish()]);
+        dispatch(gpu, &self.pipeline, [&self.hierarchy, &self.work], [self.directions, origins.len() as u32]);
         read_words(gpu, &self.open, origins.len() * self.words)
     }
+}
+
+/// Traces so many directions from so many origins by a program of [`pipeline`].
+pub(super) fn dispatch(
+    gpu: &GpuDevice,
+    pipeline: &wgpu::ComputePipeline,
+    [hierarchy, work]: [&wgpu::BindGroup; 2],
+    [directions, origins]: [u32; 2],
+) {
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, hierarchy, &[]);
+        pass.set_bind_group(1, work, &[]);
+        pass.dispatch_workgroups(directions.div_ceil(DIRECTIONS_PER_GROUP), origins, 1);
+    }
+    gpu.queue.submit([encoder.finish()]);
 }
 
 impl RayDevice for GpuRayScene {

@@ -25,6 +25,16 @@ fn wait_for_picture(window: &mut Window) {
     window.wait("the whole picture", |s| s.picture.shown().is_some_and(|p| p.samples == p.of_samples));
 }
 
+/// A window with the small scene, whose whole picture is shown.
+fn opened() -> (Place, Window) {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    wait_for_picture(&mut window);
+    (place, window)
+}
+
 fn pixels(state: &EditorState) -> Vec<[u8; 4]> {
     state.picture.shown().map(|shown| shown.pixels.to_vec()).unwrap_or_default()
 }
@@ -36,11 +46,7 @@ fn pose(window: &mut Window, pose: Pose) {
 
 #[test]
 fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_picture() {
-    let place = Place::new();
-    place.bake();
-    let mut window = place.window();
-    window.open(&place.path("scene.obj"));
-    wait_for_picture(&mut window);
+    let (place, mut window) = opened();
     let as_baked = pixels(window.0.state());
     let words = "Preview: implicit visibility";
     assert!(!window.shows(words));
@@ -70,11 +76,7 @@ fn a_posed_object_is_seen_elsewhere_at_once_and_undo_brings_back_the_baked_pictu
 
 #[test]
 fn the_picture_as_baked_goes_over_into_that_of_a_posed_object() {
-    let place = Place::new();
-    place.bake();
-    let mut window = place.window();
-    window.open(&place.path("scene.obj"));
-    wait_for_picture(&mut window);
+    let (_place, mut window) = opened();
     let (ctx, as_baked) = (window.0.ctx.clone(), window.0.state().picture.texture().unwrap().id());
     assert!(window.0.state().picture.faded(&ctx).is_none(), "negative control: nothing was before it");
     pose(&mut window, Pose { translate: Vec3::new(0.4, 0.3, 0.0), ..Pose::AS_BAKED });
@@ -95,11 +97,7 @@ fn the_picture_as_baked_goes_over_into_that_of_a_posed_object() {
 
 #[test]
 fn an_object_is_selected_and_framed_where_it_is() {
-    let place = Place::new();
-    place.bake();
-    let mut window = place.window();
-    window.open(&place.path("scene.obj"));
-    wait_for_picture(&mut window);
+    let (_place, mut window) = opened();
     window.perform(Action::Select(SelectAction::Object(Some(PYRAMID))));
     let target = |window: &mut Window| {
         window.perform(Action::Camera(CameraAction::FrameSelection));
@@ -113,11 +111,7 @@ fn an_object_is_selected_and_framed_where_it_is() {
 
 #[test]
 fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
-    let place = Place::new();
-    place.bake();
-    let mut window = place.window();
-    window.open(&place.path("scene.obj"));
-    wait_for_picture(&mut window);
+    let (place, mut window) = opened();
     window.0.state_mut().work.document.bake = few_lights();
     let (words, moved) = ("Preview: implicit visibility", Pose { translate: Vec3::X * 0.4, ..Pose::AS_BAKED });
     pose(&mut window, moved);
@@ -142,11 +136,7 @@ fn a_posed_scene_is_baked_where_it_is_and_the_preview_gives_way() {
 
 #[test]
 fn after_a_move_cuts_are_baked_anew_by_themselves_and_after_its_undo_again() {
-    let place = Place::new();
-    place.bake();
-    let mut window = place.window();
-    window.open(&place.path("scene.obj"));
-    wait_for_picture(&mut window);
+    let (place, mut window) = opened();
     let file = || std::fs::read(place.path("scene.cuts")).unwrap();
     let before = file();
     let cuts = |s: &EditorState| s.work.scene.baked.as_ref().unwrap().dataset.cuts.clone();
@@ -169,11 +159,7 @@ fn after_a_move_cuts_are_baked_anew_by_themselves_and_after_its_undo_again() {
 
 #[test]
 fn an_object_is_hidden_by_its_eye_or_a_key_and_cuts_are_baked_anew_without_it() {
-    let place = Place::new();
-    place.bake();
-    let mut window = place.window();
-    window.open(&place.path("scene.obj"));
-    wait_for_picture(&mut window);
+    let (place, mut window) = opened();
     let as_baked = pixels(window.0.state());
     let is_hidden = |window: &Window| window.0.state().work.document.poses.of(PYRAMID).hidden;
     window.click("Hide pyramid");

@@ -102,8 +102,8 @@ impl MeshlessLight {
     /// Whether both are of the same functions: a coefficient of one stands for the same function of the other.
     pub(crate) fn has_functions_of(&self, other: &Self) -> bool {
         let [a, b] = [self, other].map(|light| (light.as_baked.is_some(), light.functions()));
-        let places = |functions: &Functions| functions.points().iter().map(|point| point.place).collect::<Vec<_>>();
-        a.0 == b.0 && a.1.offsets() == b.1.offsets() && places(a.1) == places(b.1)
+        let [of_a, of_b] = [a.1, b.1].map(|functions| functions.points().iter().map(|point| point.place));
+        a.0 == b.0 && a.1.offsets() == b.1.offsets() && of_a.eq(of_b)
     }
 
     /// The functions.
