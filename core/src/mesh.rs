@@ -3,10 +3,11 @@
 use crate::{
     bounds::{Bounds, MOST_COORDINATE},
     material::SurfaceAttributes,
+    sphere::frame_along,
     surfel::{MeshPlace, Surfel},
     texture::UvSet,
 };
-use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Mat3, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, iter};
 use thiserror::Error;
@@ -256,6 +257,16 @@ impl Mesh {
         let smooth: Vec3 = self.triangles[triangle as usize].iter().zip(weights).map(weighted).sum();
         let side = self.area_vector(triangle as usize).dot(at.normal).signum();
         (smooth * side).try_normalize().unwrap_or(at.normal)
+    }
+
+    /// Tangent, bitangent and shading normal of a surface point, as columns.
+    pub fn frame(&self, at: &Surfel) -> Mat3 {
+        let MeshPlace { triangle, barycentric: b } = at.place;
+        let corners = self.triangles[triangle as usize];
+        let weighted = |(&v, w): (&u32, f32)| self.tangents[v as usize].truncate() * w;
+        let tangent = corners.iter().zip([1.0 - b.x - b.y, b.x, b.y]).map(weighted).sum();
+        let side = self.area_vector(triangle as usize).dot(at.normal).signum();
+        frame_along(self.shading_normal(at), tangent, self.tangents[corners[0] as usize].w * side)
     }
 
     /// Checks lengths, indices, finiteness, extent and unit directions. `materials` and `objects` are the numbers of

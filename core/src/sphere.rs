@@ -33,6 +33,14 @@ pub fn frame_around(normal: Vec3) -> Mat3 {
     Mat3::from_cols(tangent, bitangent, normal)
 }
 
+/// An orthonormal frame with `normal` as its third column and the first as close to `tangent` as possible. The second is mirrored if
+/// `handedness` is negative.
+pub fn frame_along(normal: Vec3, tangent: Vec3, handedness: f32) -> Mat3 {
+    let t = (tangent - normal * normal.dot(tangent)).try_normalize();
+    let t = t.unwrap_or_else(|| normal.any_orthonormal_vector());
+    Mat3::from_cols(t, normal.cross(t) * handedness.signum(), normal)
+}
+
 /// The `i`-th of `n` directions of equal solid angle over the hemisphere around +Z. `turn` rotates the set around the axis by a
 /// share of a turn, and `shift`, 0 to 1, is the place of the direction in its stratum along the axis.
 pub fn lattice_direction(i: usize, n: usize, turn: f32, shift: f32) -> Vec3 {

@@ -133,13 +133,17 @@ impl ResolvedAppearance {
         material.at(at.color, |slot| self.sample(slot, at.uv_of(slot)))
     }
 
+    /// The material at a point of `mesh`.
+    pub(crate) fn at_place(&self, mesh: &Mesh, place: MeshPlace) -> MaterialPoint {
+        let triangle = place.triangle as usize;
+        let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
+        self.material_at(self.material(self.material_of(mesh, triangle)), &mesh.attributes(triangle, weights))
+    }
+
     /// Albedo and emission of a point of `mesh`, for bounces: the albedo is the share of light reflected in all directions, the
     /// emission is radiance in W/(m² sr).
     pub fn albedo_and_emission(&self, mesh: &Mesh, place: MeshPlace) -> (Vec3, Vec3) {
-        let triangle = place.triangle as usize;
-        let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
-        let point =
-            self.material_at(self.material(self.material_of(mesh, triangle)), &mesh.attributes(triangle, weights));
+        let point = self.at_place(mesh, place);
         (point.brdf.as_brdf().albedo(), point.emission)
     }
 

@@ -123,6 +123,7 @@ impl Redo {
             environment: !illumination.is_same(&new.illumination) || *illum_cut != new.illum_cut,
             lights: *lights != new.lights,
             gathering: (*illum_cut, *tau) != (new.illum_cut, new.tau),
+            eye: !new.poses.is_empty() && view.camera.eye != new.view.camera.eye,
         };
         let shown =
             *components != new.components || *solution != new.solution || old.shown_solution() != new.shown_solution();

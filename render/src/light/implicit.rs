@@ -8,6 +8,7 @@
 mod covered;
 mod cuts;
 pub(crate) mod detail;
+mod gloss;
 mod gpu_sight;
 pub(crate) mod seen;
 mod vertices;
@@ -23,13 +24,14 @@ use crate::{
 };
 use covered::{Covered, Open};
 use detail::ImplicitDetail;
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
+use gloss::{Gloss, Received, SeenLeaves};
 use lapidary_core::{
     implicit::{Lighting, forest::SurfelForest},
     scene::{Mesh, pose::Poses},
 };
 use seen::{LeafSight, sight};
-use std::{collections::BTreeSet, sync::Arc};
+use std::{collections::BTreeSet, f32::consts::FRAC_1_PI, sync::Arc};
 use vertices::VertexLeaves;
 
 /// Samples of an area light along each of its sides, at each leaf.
@@ -79,8 +81,8 @@ pub struct PosedLight {
 pub struct PoseRig {
     detail: ImplicitDetail,
     as_baked: Seen,
-    /// Vertex light as baked with some bounces; a drag does not change it.
-    lit_as_baked: Option<(u32, [Sides; 2])>,
+    /// Vertex light as baked; a drag of an object does not change it.
+    lit_as_baked: Option<(Asked, [Sides; 2])>,
     vertices: VertexLeaves,
     posed: Seen,
     poses: Poses,
@@ -89,6 +91,8 @@ pub struct PoseRig {
     /// Vertices with new cuts: moved ones, and the footprints of moved objects.
     has_new_cut: Vec<bool>,
     sky: SkyGrid,
+    gloss: Gloss,
+    eye: Vec3,
 }
 
 /// A scene under one pose and the visibility of its leaves.
@@ -98,22 +102,59 @@ struct Seen {
     points: LitPoints,
     /// Surfaces that nothing covers.
     open: Open,
+    /// Light of the leaves with some bounces; another eye does not change it.
+    lit: Option<(u32, SeenLight)>,
+}
+
+/// What is asked of the vertices' light.
+#[derive(Clone, Copy, PartialEq)]
+struct Asked {
+    bounces: u32,
+    /// Whether glossy surfaces reflect bounced light as such.
+    has_glossy_bounces: bool,
+    /// Position of the eye in meters.
+    eye: Vec3,
 }
 
 impl Seen {
-    /// Irradiance of the vertices from the sky, and from all bounces.
-    fn lit(&mut self, sky: &SkyGrid, bounces: u32, vertices: &VertexLeaves) -> [Sides; 2] {
+    /// Irradiance of the vertices from the sky, and from all bounces. Glossy ones have that of a diffuse surface which reflects as much
+    /// toward the eye.
+    fn lit(&mut self, sky: &SkyGrid, asked: Asked, vertices: &VertexLeaves, gloss: &Gloss) -> [Sides; 2] {
+        let known = self.lit.take().filter(|(known, _)| *known == asked.bounces);
+        let light = known.unwrap_or_else(|| (asked.bounces, self.light(sky, asked.bounces)));
+        let (_, SeenLight { of_sky, direct, bounced }) = self.lit.insert(light);
+        // The bins treat emissive surfaces as lamps; the picture counts them as bounced light.
+        let others =
+            direct.iter().zip(&*of_sky).zip(&*bounced).map(|((direct, sky), bounced)| *direct - *sky + *bounced);
+        let (mut others, mut of_sky): (Vec<Vec3>, _) = (others.collect(), of_sky.clone());
+        let (forest, points) = (self.forest.discs(), &self.points);
+        let sent = asked.has_glossy_bounces.then(|| {
+            let leaves = points.irradiance().into_iter().zip(direct.iter().zip(&*bounced));
+            let arriving = leaves.map(|(received, (direct, bounced))| received + *direct + *bounced);
+            let surfaces = points.albedo().iter().zip(points.emission());
+            let sent =
+                arriving.zip(surfaces).map(|(e, (albedo, emission))| (e * *albedo * FRAC_1_PI + *emission).into());
+            forest.pull(&sent.collect::<Vec<Vec3A>>())
+        });
+        if sky.shines() || sent.is_some() {
+            let views = &*self.sight.views(forest, gloss.span());
+            let (mesh, surfels, eye) = (points.mesh(), points.points(), asked.eye);
+            let seen = SeenLeaves { forest, views, mesh, surfels, eye, sent: sent.as_deref() };
+            let received = Received { from_sky: &mut of_sky, from_leaves: &mut others };
+            gloss.toward_eye(&seen, |direction| sky.radiance(direction), received);
+        }
+        [of_sky, others].map(|leaves| self.open.at_vertices(vertices, &leaves))
+    }
+
+    /// Light of the leaves.
+    fn light(&mut self, sky: &SkyGrid, bounces: u32) -> SeenLight {
         let lighting = Lighting {
             reflectance: self.points.albedo(),
             emitted: self.points.emission(),
             received: &self.points.irradiance(),
             sky: &|direction| sky.radiance(direction),
         };
-        let SeenLight { of_sky, direct, bounced } = self.sight.light(self.forest.discs(), &lighting, bounces);
-        // The bins treat emissive surfaces as lamps; the picture counts them as bounced light.
-        let others = direct.iter().zip(&of_sky).zip(bounced).map(|((direct, sky), bounced)| *direct - *sky + bounced);
-        let others: Vec<Vec3> = others.collect();
-        [of_sky, others].map(|leaves| self.open.at_vertices(vertices, &leaves))
+        self.sight.light(self.forest.discs(), &lighting, bounces)
     }
 }
 
@@ -136,6 +177,7 @@ impl PoseRig {
                 open: covered.as_baked(&vertices),
                 forest: forest.clone(),
                 sight,
+                lit: None,
             }
         };
         let positions = &dataset.scene.mesh.positions;
@@ -148,6 +190,8 @@ impl PoseRig {
             is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
             has_new_cut: vec![false; dataset.scene.mesh.positions.len()],
             sky: SkyGrid::new(None),
+            gloss: Gloss::default(),
+            eye: Vec3::ZERO,
             vertices,
             covered,
         }
@@ -191,13 +235,16 @@ impl PoseRig {
         &self.has_new_cut
     }
 
-    /// Light of the posed scene. It has `bounces` bounces, or fewer if the detail follows fewer.
-    pub fn light(&mut self, bounces: u32) -> PosedLight {
-        let (sky, bounces) = (&self.sky, bounces.min(self.detail.bounces()));
-        let [posed_sky, posed_bounce] = self.posed.lit(sky, bounces, &self.vertices);
-        let known = self.lit_as_baked.take().filter(|(known, _)| *known == bounces);
-        let as_baked = || (bounces, self.as_baked.lit(sky, bounces, &self.vertices));
-        let (_, [baked_sky, baked_bounce]) = self.lit_as_baked.insert(known.unwrap_or_else(as_baked));
+    /// Light of the posed scene. It has `bounces` bounces, or fewer if the detail follows fewer. Glossy surfaces reflect them as such
+    /// if they do so as baked.
+    pub fn light(&mut self, bounces: u32, has_glossy_bounces: bool) -> PosedLight {
+        let bounces = bounces.min(self.detail.bounces());
+        let Self { sky, vertices, gloss, eye, posed, as_baked, lit_as_baked, .. } = self;
+        let asked = Asked { bounces, has_glossy_bounces, eye: *eye };
+        let lit = |seen: &mut Seen| seen.lit(sky, asked, vertices, gloss);
+        let [posed_sky, posed_bounce] = lit(posed);
+        let known = lit_as_baked.take().filter(|(known, _)| *known == asked);
+        let (_, [baked_sky, baked_bounce]) = lit_as_baked.insert(known.unwrap_or_else(|| (asked, lit(as_baked))));
         let (is_moved, has_new_cut) = (&self.is_moved, &self.has_new_cut);
         let growth = |vertex: usize, now: Vec3, before: Vec3| {
             if has_new_cut[vertex] { Vec3::ZERO } else { ratio(now, before) - 1.0 }
@@ -233,12 +280,20 @@ impl Relight for PoseRig {
         if changes.environment {
             self.sky = SkyGrid::of(situation);
         }
+        if changes.appearance {
+            let as_baked = &self.as_baked;
+            self.gloss = Gloss::new(&situation.appearance, as_baked.points.mesh(), as_baked.forest.surfels());
+        }
+        self.eye = situation.eye;
         let lights = [&*situation.lights, &*situation.suns].concat();
         for seen in [&mut self.posed, &mut self.as_baked] {
             seen.points.update(&situation.appearance, &lights, changes);
         }
         if changes.relight() {
-            self.lit_as_baked = None;
+            (self.lit_as_baked, self.as_baked.lit) = (None, None);
+        }
+        if changes.relight() || changes.poses {
+            self.posed.lit = None;
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::environment::SceneLighting;
 use crate::{appearance::Appearance, baked::Baked, device::Compute};
+use glam::Vec3;
 use lapidary_core::{
     cut::lit::DEFAULT_TAU,
     lights::{Emission, Light},
@@ -27,6 +28,8 @@ pub struct Situation {
     pub lights: Arc<[Light]>,
     /// How cuts gather bounced light.
     pub gathering: Gathering,
+    /// Position of the eye in meters, toward which posed glossy surfaces reflect.
+    pub eye: Vec3,
     /// Where solvers may compute.
     pub compute: Compute,
 }
@@ -51,6 +54,7 @@ impl Situation {
             suns: Arc::default(),
             lights: Arc::default(),
             gathering: Gathering { illum_cut: 1, tau: DEFAULT_TAU },
+            eye: Vec3::ZERO,
             compute: Compute::Cores,
         }
     }
@@ -75,14 +79,17 @@ pub struct Changes {
     pub lights: bool,
     /// How cuts gather.
     pub gathering: bool,
+    /// The eye, where posed surfaces shine.
+    pub eye: bool,
 }
 
 impl Changes {
     /// Everything, as after opening a scene.
-    pub const ALL: Self = Self { poses: true, appearance: true, environment: true, lights: true, gathering: true };
+    pub const ALL: Self =
+        Self { poses: true, appearance: true, environment: true, lights: true, gathering: true, eye: true };
     /// Nothing.
     pub const NONE: Self =
-        Self { poses: false, appearance: false, environment: false, lights: false, gathering: false };
+        Self { poses: false, appearance: false, environment: false, lights: false, gathering: false, eye: false };
 
     /// Whether anything has changed.
     pub fn any(self) -> bool {
@@ -105,6 +112,7 @@ impl BitOr for Changes {
             environment: self.environment || other.environment,
             lights: self.lights || other.lights,
             gathering: self.gathering || other.gathering,
+            eye: self.eye || other.eye,
         }
     }
 }

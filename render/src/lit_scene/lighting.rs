@@ -73,7 +73,9 @@ impl<B: Backend + ?Sized> LitScene<B> {
             situation.suns = suns.into();
             self.light_revision += 1;
         }
-        self.local_rig.note(changes);
+        situation.eye = look.view.camera.eye;
+        // Bounced light does not depend on it.
+        self.local_rig.note(Changes { eye: false, ..changes });
         self.pose_rigs.note(changes);
         Ok(())
     }
@@ -113,8 +115,10 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.is_unsolved = look.components.indirect && self.local_rig.advance(situation, solution);
         let rig = self.pose_rigs.used().filter(|_| !situation.poses.is_empty());
         let bounces = if solution.follows_poses() { 0 } else { solution.bounces() };
-        let posed = rig.map(|rig| rig.lit(situation).light(bounces).into());
-        let local = self.local_rig.lighting(situation, look.components, solution).with_posed(posed, solution);
+        let local = self.local_rig.lighting(situation, look.components, solution);
+        let has_glossy_bounces = bounces > 0 && local.sources().is_some();
+        let posed = rig.map(|rig| rig.lit(situation).light(bounces, has_glossy_bounces).into());
+        let local = local.with_posed(posed, solution);
         let Changes { poses, environment, lights, .. } = redo.light;
         if poses || environment || lights || redo.shown || local.bounce.is_some() || local.posed.is_some() {
             let remarks = self.backend.set_local_lighting(&local)?;

@@ -3,11 +3,12 @@
 //! A map seen from afar has many normals in a sample. Their covariance widens the lobes of every model, as a light's spread does
 //! (Olano and Baker 2010): facet normals combine the map's normals with the model's. Twin of `shaders/bumps.wgsl`.
 
-use super::surface::{SurfacePlace, frame};
+use super::surface::SurfacePlace;
 use crate::appearance::Appearance;
 use glam::{Mat2, Mat3, Vec2, Vec3};
 use lapidary_core::{
     material::ResolvedMaterial,
+    sphere::frame_along,
     texture::{ColorSpace, SlopeMoments, TextureSlot, UvFootprint, covariance_mapped},
 };
 
@@ -27,7 +28,7 @@ pub(crate) struct Bumped {
 impl SurfacePlace {
     /// Mean normal after normal map and bump map.
     pub(super) fn bumped(&self, appearance: &Appearance, material: &ResolvedMaterial) -> Bumped {
-        let smooth = frame(self.smooth_normal, self.tangent, self.handedness);
+        let smooth = frame_along(self.smooth_normal, self.tangent, self.handedness);
         let mut bumped = Bumped { normal: smooth.z_axis, moving: [Moving::default(); 2] };
         if let Some(slot) = material.normal_map() {
             match appearance.normal_moments(slot, self.attributes.uv_of(slot)) {

@@ -10,6 +10,7 @@ use lapidary_core::{
     offset,
     ray::{Hit, Intersector},
     simd::{Lanes, Vec3x8},
+    sphere::frame_along,
     surfel::MeshPlace,
     texture::UvSet,
 };
@@ -60,7 +61,7 @@ impl SurfacePoint {
     /// Turns the point into one of a ground that catches shadows: flat and diffuse. `reflectance` may exceed 1.
     pub fn catching(self, reflectance: Vec3) -> Self {
         let wo = self.world_from_local * self.wo;
-        let world_from_local = frame(self.smooth_normal, Vec3::X, 1.0);
+        let world_from_local = frame_along(self.smooth_normal, Vec3::X, 1.0);
         Self {
             world_from_local,
             wo: world_from_local.transpose() * wo,
@@ -103,7 +104,7 @@ impl SurfacePoint {
         let wo = self.world_from_local * self.wo;
         let normal = facing((self.world_from_local * slope.extend(1.0)).normalize(), wo);
         let handedness = self.world_from_local.determinant();
-        let world_from_local = frame(normal, self.world_from_local.x_axis, handedness);
+        let world_from_local = frame_along(normal, self.world_from_local.x_axis, handedness);
         Self { world_from_local, wo: world_from_local.transpose() * wo, slopes: [0.0; 3], ..self.clone() }
     }
 
@@ -152,7 +153,7 @@ impl SurfacePlace {
     /// Frame and BRDF with `material` of `appearance`, from the world direction `wo`.
     pub(crate) fn under(&self, appearance: &ResolvedAppearance, material: &ResolvedMaterial, wo: Vec3) -> PlaceLook {
         let bumped = self.bumped(appearance, material);
-        let world_from_local = frame(facing(bumped.normal, wo), self.tangent, self.handedness);
+        let world_from_local = frame_along(facing(bumped.normal, wo), self.tangent, self.handedness);
         let (wo, slopes) = (world_from_local.transpose() * wo, bumped.spread(&world_from_local));
         PlaceLook { world_from_local, wo, slopes, material: appearance.material_at(material, &self.attributes) }
     }
@@ -407,13 +408,6 @@ fn surface_slopes([a, b, c]: [Vec3; 3], uv: [Vec2; 3]) -> Option<[Vec3; 2]> {
     let per_u = gb * d1.x + gc * d2.x;
     let per_v = gb * d1.y + gc * d2.y;
     (per_u.is_finite() && per_v.is_finite()).then_some([per_u, per_v])
-}
-
-/// A frame around `normal`, with its first axis as close to `tangent` as possible.
-pub(super) fn frame(normal: Vec3, tangent: Vec3, handedness: f32) -> Mat3 {
-    let t = (tangent - normal * normal.dot(tangent)).try_normalize();
-    let t = t.unwrap_or_else(|| normal.any_orthonormal_vector());
-    Mat3::from_cols(t, normal.cross(t) * handedness.signum(), normal)
 }
 
 /// The normal, bent just enough to face the eye: interpolation and bump maps can turn it away at silhouettes.

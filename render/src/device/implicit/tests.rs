@@ -288,7 +288,7 @@ fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, Po
     let show = |poses| {
         rig.set_poses(baked, poses);
         let scene = rig.situation.scene.clone();
-        (rig.with_cuts(&scene).dataset.cuts.nodes().to_vec(), rig.light(2))
+        (rig.with_cuts(&scene).dataset.cuts.nodes().to_vec(), rig.light(2, false))
     };
     poses.iter().map(show).collect()
 }

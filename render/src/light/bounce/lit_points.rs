@@ -10,7 +10,7 @@ use crate::{
     light::situation::Changes,
 };
 use glam::Vec3;
-use lapidary_core::{lights::Light, offset, ray::spatial_order, surfel::Surfel};
+use lapidary_core::{lights::Light, offset, ray::spatial_order, scene::Mesh, surfel::Surfel};
 use rayon::prelude::*;
 
 /// Points with their direct light and reflectance.
@@ -55,6 +55,16 @@ impl LitPoints {
         self.normals = points.par_iter().map(|point| posed.dataset.scene.mesh.shading_normal(point)).collect();
         (self.baked, self.points) = (posed.clone(), points);
         (self.lights, self.environment) = (LightGroups::default(), None);
+    }
+
+    /// The points where they are now.
+    pub fn points(&self) -> &[Surfel] {
+        &self.points
+    }
+
+    /// The mesh that they lie on, where it is now.
+    pub fn mesh(&self) -> &Mesh {
+        &self.baked.dataset.scene.mesh
     }
 
     /// Diffuse reflectance of the points.

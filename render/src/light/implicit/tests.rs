@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    Backend, Components, CpuBackend, LitScene, Look, Renderer,
+    Backend, Components, CpuBackend, LitScene, LocalLighting, Look, Renderer,
     light::solver::solutions::Solution,
     test_scenes::{
         Edited, dataset, from_above, from_the_side, glossy, illumination, mesh, point_light, rel_rmse, white,
@@ -183,17 +183,50 @@ fn what_moved_is_lit_by_its_own_bins_glossy_too() {
     }
 }
 
+/// A rig of diffuse surfaces in place of the scene's.
+fn with_diffuse_ratio(as_baked: &Dataset, look: &Look) -> Image {
+    let baked = Baked::from(as_baked.clone());
+    let mut rig = under_the_sky(&Baked::from(blocked(white(), 24)));
+    rig.set_poses(&baked, &look.poses);
+    let mut scene = LitScene::new(Box::new(CpuBackend::new()), baked).unwrap();
+    scene.set_detail(ImplicitDetail::OF_A_DRAG);
+    scene.light(look).unwrap();
+    let local = LocalLighting { posed: Some(rig.light(0, false).into()), ..scene.local().unwrap().clone() };
+    scene.backend().set_local_lighting(&local).unwrap();
+    scene.show_whole(look).unwrap().image
+}
+
+#[test]
+fn the_reflection_in_a_glossy_floor_follows_what_moved() {
+    // Its alpha is the square of the roughness.
+    let floor = glossy(0.2_f32.sqrt());
+    let mut as_baked = blocked(floor.clone(), 24);
+    as_baked.scene.materials[0].model = BrdfModel::Ggx;
+    let mut look = Look::under_environment(&as_baked.scene, from_the_side(48), sky());
+    look.poses = posed(Pose { translate: Vec3::new(0.6, -0.5, -0.4), scale: 1.3, ..Pose::AS_BAKED });
+    let truth = picture(&baked_so(&as_baked, &look.poses, floor), |seen| seen.view = look.view.clone());
+    let preview = picture(&as_baked, |seen| *seen = look.clone());
+    let (near, diffuse) = (rel_rmse(&preview, &truth), rel_rmse(&with_diffuse_ratio(&as_baked, &look), &truth));
+    assert!(near < 0.10 && diffuse > 1.5 * near, "{near}, negative control {diffuse}: the ratio of diffuse light");
+    let mut elsewhere = look.clone();
+    elsewhere.view.camera.eye = Vec3::new(-2.0, 1.5, -2.5);
+    let mut scene = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), as_baked.clone().into()).unwrap();
+    scene.set_detail(ImplicitDetail::OF_A_DRAG);
+    let pictures = [&elsewhere, &look].map(|look| scene.show_whole(look).unwrap().image);
+    assert!(pictures[1] == preview && pictures[0] != preview, "it follows the eye");
+}
+
 #[test]
 fn where_nothing_changed_the_ratio_is_one_and_no_bounce_is_added_to_the_bit() {
     let baked = Baked::from(blocked(white(), 8));
     let mut rig = under_the_sky(&baked);
     rig.set_lights(&[point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)]);
-    let as_it_is = rig.light(2);
+    let as_it_is = rig.light(2, false);
     let all = |sides: &Sides, value| sides.front.iter().chain(&sides.back).all(|found| *found == value);
     assert!(all(&as_it_is.growth, Vec3::ZERO) && all(&as_it_is.bounce, Vec3::ZERO));
     let poses = posed(Pose { translate: Vec3::X, ..Pose::AS_BAKED });
     rig.set_poses(&baked, &poses);
-    let changed = rig.light(2);
+    let changed = rig.light(2, false);
     assert!(!all(&changed.growth, Vec3::ZERO) && !all(&changed.bounce, Vec3::ZERO), "negative control");
     assert!(changed.growth.front.iter().all(|growth| growth.abs().max_element() <= MOST_GROWTH - 1.0));
 }
@@ -207,7 +240,7 @@ fn a_drag_gives_the_bits_of_its_last_pose() {
         let cuts = rig.with_cuts(&scene).dataset.cuts.clone();
         let height = baked.dataset.tree.height();
         let cuts: Vec<_> = (0..cuts.len() as u32).map(|vertex| cuts.cut(height, vertex).to_vec()).collect();
-        (cuts, rig.light(2))
+        (cuts, rig.light(2, false))
     };
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let mut both = at(0.4);
