@@ -13,12 +13,13 @@ use crate::{
         seen::sight,
         tests::{blocked, posed, sky},
     },
-    test_scenes::{Edited, white},
+    test_scenes::{Edited, glossy},
 };
 use bytemuck::{Pod, bytes_of};
 use glam::{Mat3, Vec3};
 use lapidary_core::{
     implicit::{BinLayout, Bins, Drag, EMPTY, LeafLight, Lighting, forest::nodes::Block, node_of},
+    material::BrdfModel,
     scene::{
         Mesh,
         pose::{Pose, Poses},
@@ -286,9 +287,10 @@ fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, Po
     let mut rig = Edited::new(baked, PoseRig::new(baked, compute, ImplicitDetail::OF_A_DRAG));
     rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
     let show = |poses| {
+        rig.situation.eye = Vec3::new(0.0, 1.5, 3.5);
         rig.set_poses(baked, poses);
         let scene = rig.situation.scene.clone();
-        (rig.with_cuts(&scene).dataset.cuts.nodes().to_vec(), rig.light(2, false))
+        (rig.with_cuts(&scene).dataset.cuts.nodes().to_vec(), rig.light(2, true))
     };
     poses.iter().map(show).collect()
 }
@@ -296,7 +298,9 @@ fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, Po
 #[test]
 fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
     let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
-    let baked = Baked::from(blocked(white(), 8));
+    let mut glossy = blocked(glossy(0.5), 8);
+    glossy.scene.materials[0].model = BrdfModel::Ggx;
+    let baked = Baked::from(glossy);
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let poses = [at(0.2), at(0.7)];
     let [found, expected] = [Compute::Device(device), Compute::Cores].map(|compute| shown(&compute, &baked, &poses));

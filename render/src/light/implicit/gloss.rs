@@ -209,7 +209,7 @@ mod tests {
             let seen = SeenLeaves { forest: forest.discs(), views: &views, mesh, surfels: &surfels, eye, sent: None };
             gloss.toward_eye(&seen, sky, Received { from_sky: &mut found, from_leaves: &mut none });
             let radiance = found[leaf] * gloss.leaves[leaf].albedo / PI;
-            assert!((radiance / known - 1.0).abs().max_element() < 0.05, "{radiance} {known}");
+            assert!((radiance / known - 1.0).abs().max_element() < 0.08, "{radiance} {known}");
             let swapped = |direction: Vec3| sky(Vec3::new(-direction.x, direction.y, direction.z));
             gloss.toward_eye(&seen, swapped, Received { from_sky: &mut found, from_leaves: &mut none });
             let other = found[leaf] * gloss.leaves[leaf].albedo / PI;

@@ -207,6 +207,7 @@ fn the_reflection_in_a_glossy_floor_follows_what_moved() {
     let truth = picture(&baked_so(&as_baked, &look.poses, floor), |seen| seen.view = look.view.clone());
     let preview = picture(&as_baked, |seen| *seen = look.clone());
     let (near, diffuse) = (rel_rmse(&preview, &truth), rel_rmse(&with_diffuse_ratio(&as_baked, &look), &truth));
+    println!("glossy: {near}, by the ratio of diffuse light {diffuse}");
     assert!(near < 0.10 && diffuse > 1.5 * near, "{near}, negative control {diffuse}: the ratio of diffuse light");
     let mut elsewhere = look.clone();
     elsewhere.view.camera.eye = Vec3::new(-2.0, 1.5, -2.5);
