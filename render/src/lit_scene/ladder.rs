@@ -31,7 +31,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// # Errors
     /// As [`Self::light`].
     pub fn light_soon(&mut self, look: &Look) -> Result<(), BackendError> {
-        // Another view needs no new light.
+        // Another view needs no new light, unless something is posed.
         if !self.is_lit_as(look) {
             self.detail = self.drag_detail;
         }
