@@ -225,7 +225,11 @@ mod tests {
         let mut beside = posed.clone();
         beside.view.camera.eye.x += 1.0;
         let toward_eye = Changes { eye: true, ..Changes::NONE };
-        assert_eq!(Redo::between(&posed, &beside), Redo { light: toward_eye, ..VIEW }, "what is posed shines elsewhere");
+        assert_eq!(
+            Redo::between(&posed, &beside),
+            Redo { light: toward_eye, ..VIEW },
+            "what is posed shines elsewhere"
+        );
         assert_eq!(redone(|look| look.view.aa = 4), VIEW);
         assert_eq!(redone(|look| look.view.background = Background::Transparent), VIEW);
         assert_eq!(redone(|look| look.sampling = BrdfSampling::Once), Redo { pixels: Stale::ALL, ..DISPLAY });
