@@ -26,11 +26,15 @@ const SPLIT: u32 = 2u;
 fn is_active(function: u32) -> bool {
     let start = parent_starts[function];
     let end = parent_starts[function + 1u];
-    var gathers = start == end;
-    for (var i = start; i < end && !gathers; i++) {
-        gathers = states[parents[i].x] != OPEN;
+    if states[function] == COVERED {
+        return false;
     }
-    return gathers && states[function] != COVERED;
+    for (var i = start; i < end; i++) {
+        if states[parents[i].x] != OPEN {
+            return true;
+        }
+    }
+    return start == end;
 }
 
 // Whether a function gathers, and whether its rays are unknown too, as numbers to add up.

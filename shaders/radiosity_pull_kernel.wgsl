@@ -9,8 +9,10 @@ fn pull(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if function >= level.end {
         return;
     }
+    // Before the sum: llvmpipe drops lanes of a loop with returns that follows another loop.
+    let gathers = is_active(function);
     let pulled = light_of_parents(function);
-    if !is_active(function) {
+    if !gathers {
         received[function].vector = pulled;
     } else if length_of(received[function].vector - pulled) > level.enough {
         states[function] = SPLIT;

@@ -12,8 +12,8 @@ use super::{
     compute::SharedDevice,
     kernel::Kernel,
     kernels::{
-        FunctionLevel, GatheredRows, ListedReceivers, RADIOSITY_COUNT, RADIOSITY_GATHER, RADIOSITY_PULL, RADIOSITY_SCAN,
-        RADIOSITY_WRITE, ReceivedLight,
+        FunctionLevel, GatheredRows, ListedReceivers, RADIOSITY_COUNT, RADIOSITY_GATHER, RADIOSITY_PULL,
+        RADIOSITY_SCAN, RADIOSITY_WRITE, ReceivedLight,
     },
     layout::{Coefficient, LevelUniforms},
     readback::read_range,
@@ -179,8 +179,7 @@ impl TransportDevice for GpuRadiosity {
         if functions.is_empty() {
             return Ok(Vec::new());
         }
-        let light: Vec<Coefficient> =
-            read_range(&self.gpu, &self.buffers.received, functions).map_err(described)?;
+        let light: Vec<Coefficient> = read_range(&self.gpu, &self.buffers.received, functions).map_err(described)?;
         let vector = |light: &Coefficient| {
             let [x, y, z] = light.vector.map(|[x, y, z, _]| Vec3A::new(x, y, z));
             Mat3A::from_cols(x, y, z)

@@ -295,7 +295,7 @@ mod tests {
         situation.compute = Compute::Device(device);
         let mut rig = fresh(&situation);
         let as_baked = solved(&mut rig);
-        assert!(rig.on_device.is_some(), "it takes a small scene");
+        assert!(rig.on_device.is_some() && rig.solver.has_device(), "it takes a small scene");
         assert!(difference(&as_baked, &on_cores) < 2e-3, "{}", difference(&as_baked, &on_cores));
 
         situation.poses.set(1, Pose { translate: Vec3::X * 0.3, ..Pose::AS_BAKED });
