@@ -9,9 +9,13 @@ use crate::meshless::object_bases::Carrier;
 use glam::{Mat3, Mat3A, Vec3A};
 use std::ops::Range;
 
+/// Receivers whose rays the device takes at once: 8 MB of them at 512 rays each.
+const RECEIVERS_AT_A_TIME: usize = 4096;
+
 /// Gathers light for the functions level by level. It may add in another order than the cores.
 ///
-/// Each method fails with a description of the device's failure.
+/// # Errors
+/// Each method describes the device's failure.
 pub trait TransportDevice: Send + Sync {
     /// Begins with the radiance of the senders. Covered functions do not gather.
     fn send(&mut self, radiance: &[Vec3A], covered: &[bool]) -> Result<(), String>;
@@ -116,7 +120,9 @@ impl Radiosity {
         while progress.level < self.bases.levels() {
             let unknown = &mut progress.active.unknown;
             let now: Vec<u32> = unknown.drain(..self.count_within(unknown, &mut left)).collect();
-            device.take_rays(&self.with_rays(surface, &now, |gather| gather.told()))?;
+            for some in now.chunks(RECEIVERS_AT_A_TIME) {
+                device.take_rays(&self.with_rays(surface, some, |gather| gather.told()))?;
+            }
             if !unknown.is_empty() {
                 break;
             }

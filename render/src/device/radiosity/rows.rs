@@ -93,7 +93,9 @@ impl Rows {
         let functions = first.function as usize..=last.function as usize;
         let start = (first.function as usize * size_of::<u32>()) as u64;
         gpu.queue.write_buffer(&self.on_device, start, cast_slice(&self.known[functions]));
-        gpu.check()
+        // Else what is written waits in memory for the next kernel.
+        gpu.queue.submit([]);
+        gpu.wait()
     }
 
     /// Adds parts until there is one for each slot.
