@@ -9,7 +9,7 @@ fn pull(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if function >= level.end {
         return;
     }
-    // Before the sum: llvmpipe drops lanes of a loop with returns that follows another loop.
+    // Before the sum: after its loop, OpenGL on llvmpipe (Mesa 22.3) finds functions inactive that are not.
     let gathers = is_active(function);
     let pulled = light_of_parents(function);
     if !gathers {
