@@ -39,11 +39,6 @@ struct BasisFunction {
     normal: vec3<f32>,
 }
 
-struct Coefficient {
-    // Vector irradiance in W/m2, one column per color channel.
-    vector: mat3x3<f32>,
-}
-
 const MOST_BASIS_LEVELS: u32 = 16u;
 // See core/src/surfel/distance.rs.
 const SQUASH: f32 = 2.0;

@@ -35,7 +35,10 @@ pub use functions::{FunctionPlace, Functions};
 pub use grid::{Cell, FunctionGrid};
 pub use object_bases::{Carrier, ObjectBases, Owner, RayEnd};
 pub use projection::Projection;
-pub use radiosity::{LitFunctions, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep};
+pub use radiosity::{
+    ActiveFunctions, LitFunctions, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep, ReceiverRays,
+    TransportDevice,
+};
 pub use sampling::SenderSamples;
 pub use solve::{Solution, SolveSettings, Solver};
 pub use transport::{PackedLink, Transport, TransportError, irradiance};

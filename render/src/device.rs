@@ -1,4 +1,5 @@
-//! The graphics device, and what computes on it without a picture: kernels, rays, implicit visibility. Within WebGPU's default limits
+//! The graphics device, and what computes on it without a picture: kernels, rays, implicit visibility, meshless
+//! radiosity. Within WebGPU's default limits
 //! and without optional features.
 
 mod adapter;
@@ -12,6 +13,7 @@ pub(crate) mod kernels;
 pub(crate) mod layout;
 mod models;
 mod pace;
+mod radiosity;
 mod rays;
 pub(crate) mod readback;
 pub(crate) mod shaders;
@@ -28,5 +30,6 @@ pub(crate) use fans::GpuFans;
 pub use implicit::{ForestTimes, GpuForest, GpuImplicit, SeenLight};
 pub(crate) use kernel::Kernel;
 pub(crate) use models::ModelSet;
+pub(crate) use radiosity::GpuRadiosity;
 pub use rays::GpuRays;
 pub use shaders::ShaderSource;

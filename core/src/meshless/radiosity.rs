@@ -4,6 +4,7 @@
 //! Levels hold absolute values (5). A function gathers if its parents saw that theirs is not enough; all others take the value of
 //! their parents (Fig. 4). Rays end at functions of one level, which send for the surface around them (5.1).
 
+mod device;
 mod follow;
 mod transport;
 
@@ -23,6 +24,8 @@ use glam::{Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
 use std::{collections::HashMap, f32::consts::FRAC_1_PI};
 use transport::{Sent, Transport};
+
+pub use device::{ActiveFunctions, ReceiverRays, TransportDevice};
 
 /// How light is gathered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +83,10 @@ pub struct Radiosity {
     around: SparseRows,
     table: GatherTable,
     moves: Moves,
+    /// What gathers in place of the cores.
+    device: Option<Box<dyn TransportDevice>>,
+    /// Number of the device's last step.
+    device_step: u64,
 }
 
 /// A solution and the light that it has not sent yet.
@@ -118,6 +125,8 @@ impl Radiosity {
             table: GatherTable::new(bases.len(), settings.table_bytes),
             moves: Moves::none(bases.len()),
             covered: Vec::new(),
+            device: None,
+            device_step: 0,
             settings,
             bases,
         }

@@ -72,6 +72,27 @@ bind_groups! {
         light: Written,
     }
 
+    /// A level of functions.
+    FunctionLevel { level: Uniform, parent_starts: Storage, parents: Storage, states: Written, slots: Storage }
+
+    /// The functions of a level that gather, as they are counted and listed.
+    ListedReceivers { sums: Written, receivers: Written, unknown: Written }
+
+    /// Rays by which receivers gather.
+    GatheredRows {
+        bound: Uniform,
+        receivers: Storage,
+        slots: Storage,
+        rows: Storage,
+        frames: Storage,
+        directions: Storage,
+        radiance: Storage,
+        received: Written,
+    }
+
+    /// What functions receive.
+    ReceivedLight { received: Written }
+
     /// Stored cuts, and the light of the tree that they are over.
     StoredCuts { nodes: Storage, brightness: Storage, visibility_cuts: Uint }
 
@@ -115,6 +136,35 @@ pub const IMPLICIT_BOUNCE: KernelProgram = KernelProgram::new(
     &[Gathered::LAYOUT],
 );
 
+/// What kernels that list the functions of a level begin with.
+const LISTS: &[&str] = &["slice", "radiosity_level", "prefix_sums"];
+/// What they read and write.
+const LISTED: &[GroupLayout] = &[FunctionLevel::LAYOUT, ListedReceivers::LAYOUT];
+
+/// How many functions of a level gather, block by block. Twin of `Radiosity::active` in
+/// core/src/meshless/radiosity/transport.rs, as the next two.
+pub const RADIOSITY_COUNT: KernelProgram =
+    KernelProgram::new("radiosity_count_kernel", [LISTS, &["radiosity_count_kernel"]], LISTED);
+/// How many gather in all blocks before each.
+pub const RADIOSITY_SCAN: KernelProgram =
+    KernelProgram::new("radiosity_scan_kernel", [LISTS, &["radiosity_scan_kernel"]], LISTED);
+/// The functions of a level that gather.
+pub const RADIOSITY_WRITE: KernelProgram =
+    KernelProgram::new("radiosity_write_kernel", [LISTS, &["radiosity_write_kernel"]], LISTED);
+/// What functions gather. Twin of `Gather::of` in core/src/meshless/radiosity/transport.rs.
+pub const RADIOSITY_GATHER: KernelProgram = KernelProgram::new(
+    "radiosity_gather_kernel",
+    [&["slice", "coefficient"], &["radiosity_gather_kernel"]],
+    &[GatheredRows::LAYOUT],
+);
+/// What other functions take of their parents, and which functions split. Twin of `Radiosity::end_level` in
+/// core/src/meshless/radiosity/transport.rs.
+pub const RADIOSITY_PULL: KernelProgram = KernelProgram::new(
+    "radiosity_pull_kernel",
+    [&["slice", "coefficient", "radiosity_level"], &["radiosity_pull_kernel"]],
+    &[FunctionLevel::LAYOUT, ReceivedLight::LAYOUT],
+);
+
 /// What kernels of lit cuts begin with.
 const LIT: &[&str] = &["slice", "color", "tree", "cut", "lit_parts"];
 
@@ -127,8 +177,20 @@ pub const LIT_WRITE: KernelProgram =
 
 /// Those that run in slices.
 #[cfg(test)]
-pub const SLICED: [KernelProgram; 7] =
-    [IMPLICIT_UPDATE, IMPLICIT_NODES, IMPLICIT_WALK, IMPLICIT_PULL, IMPLICIT_BOUNCE, LIT_COUNT, LIT_WRITE];
+pub const SLICED: [KernelProgram; 12] = [
+    IMPLICIT_UPDATE,
+    IMPLICIT_NODES,
+    IMPLICIT_WALK,
+    IMPLICIT_PULL,
+    IMPLICIT_BOUNCE,
+    RADIOSITY_COUNT,
+    RADIOSITY_SCAN,
+    RADIOSITY_WRITE,
+    RADIOSITY_GATHER,
+    RADIOSITY_PULL,
+    LIT_COUNT,
+    LIT_WRITE,
+];
 
 /// All texts of one compute step.
 #[cfg(test)]

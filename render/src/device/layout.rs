@@ -368,7 +368,27 @@ pub struct BasisFunction {
     pub normal: [f32; 4],
 }
 
-/// `Coefficient` of `meshless_pass.wgsl`.
+/// `LevelUniforms` of `radiosity_level.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LevelUniforms {
+    pub first: u32,
+    pub end: u32,
+    pub enough: f32,
+}
+
+/// `RowUniforms` of `radiosity_gather_kernel.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct RowUniforms {
+    pub rays: u32,
+    /// In steradians.
+    pub solid_angle: f32,
+    pub first_slot: u32,
+    pub slots: u32,
+}
+
+/// `Coefficient` of `coefficient.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Coefficient {

@@ -134,7 +134,7 @@ pub const DIRECT: Entry = Entry {
 pub const MESHLESS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Basis::LAYOUT, Shading::LAYOUT],
     targets: &format::SUMS,
-    ..Entry::new("meshless_pass", [SHADING, &["color", "posed", "meshless_pass"]])
+    ..Entry::new("meshless_pass", [SHADING, &["color", "posed", "coefficient", "meshless_pass"]])
 };
 
 /// What an edit leaves of the pixels. Twin of `Picture::forget` in render/src/cpu/picture.rs.

@@ -37,6 +37,7 @@ impl Radiosity {
         self.moves.traced_again = 0;
         let count = self.moves.count;
         self.moves.objects.extend(moved.iter().map(|(&object, &bounds)| (object, (count, bounds))));
+        self.device.iter_mut().for_each(|device| device.forget_rays());
         self.look_again(surface, moved, left);
     }
 

@@ -1,6 +1,10 @@
 //! One bounce on its way to the functions, in parts that a caller may stop between.
 
-use super::{Radiosity, follow::Renewed};
+use super::{
+    Radiosity,
+    device::{DeviceProgress, ReceiverRays},
+    follow::Renewed,
+};
 use crate::{
     gather_table::{GatherHit, RayFan},
     meshless::object_bases::Carrier,
@@ -34,13 +38,13 @@ pub(super) struct Transport {
     /// Difference from the parents above which a function's children gather.
     enough: f32,
     pub(super) gathers: u64,
+    /// How far it is on a device, if one gathers. The fields of the levels above then stay as they begin.
+    pub(super) on_device: Option<DeviceProgress>,
 }
 
-/// What a receiver gathers, and the rays by which it does.
-type Traced = (Mat3A, Renewed);
-
 /// A receiver's rays and what gathers by them.
-struct Gather<'a> {
+pub(super) struct Gather<'a> {
+    receiver: u32,
     fan: &'a RayFan,
     /// The fan in the world.
     frame: glam::Mat3,
@@ -51,7 +55,7 @@ struct Gather<'a> {
 impl Gather<'_> {
     /// The vector irradiance of what is sent.
     fn of(&self, sent: &Sent, sky: Option<&(dyn Fn(Vec3) -> Vec3 + Sync)>) -> Mat3A {
-        let Self { fan, frame, hits, first_sender } = *self;
+        let Self { fan, frame, hits, first_sender, .. } = *self;
         let mut columns = [Vec3A::ZERO; 3];
         let mut add = |direction: Vec3, radiance: Vec3A| {
             let direction = Vec3A::from(direction);
@@ -75,6 +79,13 @@ impl Gather<'_> {
         let [x, y, z] = columns.map(|column| frame * column * fan.solid_angle());
         Mat3A::from_cols(x, y, z)
     }
+
+    /// The rays as a device takes them.
+    pub(super) fn told(&self) -> ReceiverRays {
+        let sender = |hit: &GatherHit| hit.lit().map_or(u32::MAX, |sender| sender - self.first_sender);
+        let senders = self.hits.iter().map(sender).collect();
+        ReceiverRays { function: self.receiver, frame: self.frame, senders }
+    }
 }
 
 impl Radiosity {
@@ -90,6 +101,7 @@ impl Radiosity {
             found: Vec::new(),
             gathers: 0,
             enough: 0.0,
+            on_device: None,
         };
         transport.active = self.active(&transport);
         transport
@@ -114,14 +126,15 @@ impl Radiosity {
         transport: &mut Transport,
         receivers: usize,
     ) -> bool {
+        if let Some(is_all) = self.gather_on_device(surface, transport, receivers) {
+            return is_all;
+        }
         let mut left = receivers.max(1);
         while transport.level < self.bases.levels() {
             let waiting = &transport.active[transport.found.len()..];
-            let is_within =
-                |function: &&u32| self.is_known(**function) || left.checked_sub(1).map(|rest| left = rest).is_some();
-            let now: Vec<u32> = waiting.iter().take_while(is_within).copied().collect();
+            let now = &waiting[..self.count_within(waiting, &mut left)];
             let is_all = now.len() == waiting.len();
-            let found = self.gathered(surface, sky, &transport.sent, now);
+            let found = self.with_rays(surface, now, |gather| gather.of(&transport.sent, sky));
             transport.found.extend(found);
             if !is_all {
                 return false;
@@ -131,29 +144,35 @@ impl Radiosity {
         true
     }
 
-    /// What some functions gather. Their rays are kept while there is room.
-    fn gathered(
+    /// How many of the first of some functions can gather before more than `left` of them have their rays traced.
+    pub(super) fn count_within(&self, functions: &[u32], left: &mut usize) -> usize {
+        let mut is_within =
+            |function: u32| self.is_known(function) || left.checked_sub(1).map(|rest| *left = rest).is_some();
+        functions.iter().take_while(|&&function| is_within(function)).count()
+    }
+
+    /// What comes of the rays of some functions as they are now. They are kept while there is room.
+    pub(super) fn with_rays<T: Send>(
         &mut self,
         surface: &dyn Carrier,
-        sky: Option<&(dyn Fn(Vec3) -> Vec3 + Sync)>,
-        sent: &Sent,
-        functions: Vec<u32>,
-    ) -> Vec<Mat3A> {
+        functions: &[u32],
+        act: impl Fn(&Gather) -> T + Sync,
+    ) -> Vec<T> {
         let first_sender = self.bases.level(self.bases.sender_level()).start as u32;
         let unknown: Vec<u32> = functions.iter().copied().filter(|&function| !self.is_known(function)).collect();
         let traced = self.rows_at_once(surface, &unknown).unwrap_or_default();
-        let of = |&function: &u32| -> Traced {
-            let rays = self.renewed(surface, function, traced.get(&function).map(|row| &**row));
-            let hits = rays.row().or(self.table.row(function)).expect("it was traced now or before");
-            let frame = self.placed(surface, function).frame;
-            (Gather { fan: &self.fan, frame, hits, first_sender }.of(sent, sky), rays)
+        let of = |&receiver: &u32| -> (T, Renewed) {
+            let rays = self.renewed(surface, receiver, traced.get(&receiver).map(|row| &**row));
+            let hits = rays.row().or(self.table.row(receiver)).expect("it was traced now or before");
+            let frame = self.placed(surface, receiver).frame;
+            (act(&Gather { receiver, fan: &self.fan, frame, hits, first_sender }), rays)
         };
-        let all: Vec<Traced> = functions.par_iter().map(of).collect();
-        let keep = |(function, (found, rays)): (u32, Traced)| {
+        let all: Vec<(T, Renewed)> = functions.par_iter().map(of).collect();
+        let keep = |(&function, (found, rays)): (&u32, (T, Renewed))| {
             self.know(function, rays);
             found
         };
-        functions.into_iter().zip(all).map(keep).collect()
+        functions.iter().zip(all).map(keep).collect()
     }
 
     /// Refines the level: its functions take their parents' light, but those that gathered.
@@ -164,7 +183,7 @@ impl Radiosity {
         let pulled: Vec<Mat3A> = range.clone().into_par_iter().map(pull).collect();
         received[range].copy_from_slice(&pulled);
         if level == 0 {
-            *enough = self.settings.threshold * mean_length(found);
+            *enough = self.settings.threshold * mean_length(found, found.len());
         }
         for (&function, found) in active.iter().zip(&*found) {
             let function = function as usize;
@@ -185,6 +204,7 @@ fn length(vector: &Mat3A) -> f32 {
     [vector.x_axis, vector.y_axis, vector.z_axis].map(|column| column.length_squared()).iter().sum::<f32>().sqrt()
 }
 
-fn mean_length(vectors: &[Mat3A]) -> f32 {
-    vectors.iter().map(length).sum::<f32>() / vectors.len().max(1) as f32
+/// Sum of the lengths over `count`.
+pub(super) fn mean_length(vectors: &[Mat3A], count: usize) -> f32 {
+    vectors.iter().map(length).sum::<f32>() / count.max(1) as f32
 }

@@ -4,7 +4,7 @@ use super::{ForestTimes, GpuImplicit, light::LightBuffers};
 use crate::{
     device::{
         adapter::GpuDevice,
-        buffers::{storage, uniform},
+        buffers::{storage, uniform, written},
         kernels,
         layout::{Disc, Rider, WalkUniforms},
         readback::read_range,
@@ -20,7 +20,6 @@ use lapidary_core::implicit::{
     forest::{self, SurfelForest},
 };
 use std::{collections::BTreeSet, ops::Range, time::Duration};
-use wgpu::BufferUsages as Usages;
 
 /// Invocations of a workgroup of the update.
 const LEAVES_PER_GROUP: u32 = 64;
@@ -281,16 +280,6 @@ pub(super) fn packed_discs(forest: &DiscForest) -> Vec<Disc> {
 /// A word for each cell of each leaf.
 fn cells_of(gpu: &GpuDevice, label: &str, leaves: u32, layout: BinLayout) -> wgpu::Buffer {
     written(gpu, label, u64::from(leaves) * (layout.cells.len() * size_of::<u32>()) as u64)
-}
-
-/// A storage buffer that kernels write and that is read back.
-pub(super) fn written(gpu: &GpuDevice, label: &str, size: u64) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage: Usages::STORAGE | Usages::COPY_SRC | Usages::COPY_DST,
-        mapped_at_creation: false,
-    })
 }
 
 fn readable(gpu: &GpuDevice, label: &str, contents: &[u8]) -> wgpu::Buffer {

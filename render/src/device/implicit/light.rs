@@ -2,12 +2,12 @@
 
 use super::{
     GpuImplicit,
-    forest::{GpuForest, cos_sin, written},
+    forest::{GpuForest, cos_sin},
 };
 use crate::{
     device::{
         adapter::GpuDevice,
-        buffers::{storage, uniform},
+        buffers::{storage, uniform, written},
         kernels,
         layout::{LeafIrradiance, LeafLighting, LightUniforms},
         readback::read_range,

@@ -192,6 +192,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("LightUniforms", shape!(layout::LightUniforms, turn, is_first, side)),
         ("LeafLighting", shape!(layout::LeafLighting, reflectance, emitted, received)),
         ("LeafIrradiance", shape!(layout::LeafIrradiance, of_sky, direct, bounced, last)),
+        ("LevelUniforms", shape!(layout::LevelUniforms, first, end, enough)),
+        ("RowUniforms", shape!(layout::RowUniforms, rays, solid_angle, first_slot, slots)),
         ("Node", shape!(layout::Node, radiance, spread, place, radius)),
         (
             "ShadowView",

@@ -4,7 +4,7 @@
 use super::{MeshlessLight, VerticesAsBaked, lit_points::LitPoints};
 use crate::{
     baked::Baked,
-    device::{Compute, GpuFans},
+    device::{Compute, GpuFans, GpuRadiosity},
     light::{
         situation::{Changes, Relight, Situation},
         sky::SkyGrid,
@@ -15,7 +15,9 @@ use lapidary_core::{
     bounds::Bounds,
     gather_table::GatherHit,
     mesh_surface::{CarryingMesh, MeshSurface},
-    meshless::{LitFunctions, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep, irradiance},
+    meshless::{
+        LitFunctions, Radiosity, RadiosityLight, RadiositySettings, RadiosityStep, TransportDevice, irradiance,
+    },
     ray::FanDevice,
     scene::{Mesh, pose::Poses},
     sources::Source,
@@ -34,6 +36,9 @@ const AREA_SAMPLES: u32 = 2;
 
 /// Receivers whose rays are traced in one step, so that a drag need not wait.
 const RECEIVERS_OF_A_STEP: usize = 1024;
+
+/// Most bytes of a buffer of rays on a device, so that the last one, which is not full, wastes little.
+const BYTES_OF_A_BUFFER: u64 = 128 << 20;
 
 /// Solves for bounced light bounce by bounce, as baked or posed.
 pub struct RadiosityRig {
@@ -180,6 +185,14 @@ impl RadiosityRig {
         lit.pose(posed, points);
     }
 
+    /// What gathers light on the device, if it takes the functions.
+    fn transport_device(&self) -> Option<Box<dyn TransportDevice>> {
+        let Compute::Device(device) = &self.compute else { return None };
+        let (bases, directions) = (self.solver.bases(), self.solver.directions());
+        let gathers = GpuRadiosity::new(device, bases, directions, BYTES_OF_A_BUFFER).ok()?;
+        Some(Box::new(gathers))
+    }
+
     /// Takes the posed scene to the device. The cores trace what it does not take.
     fn take_to_device(&mut self) {
         let (scene, known) = (self.posed.intersector(), self.on_device.take());
@@ -196,6 +209,7 @@ impl Relight for RadiosityRig {
         let is_elsewhere = !self.compute.is_same(&situation.compute);
         if is_elsewhere {
             (self.compute, self.on_device) = (situation.compute.clone(), None);
+            self.solver.set_device(self.transport_device());
         }
         if changes.poses {
             self.pose(&situation.scene, &situation.poses);
@@ -281,7 +295,7 @@ mod tests {
         situation.compute = Compute::Device(device);
         let mut rig = fresh(&situation);
         let as_baked = solved(&mut rig);
-        assert!(rig.on_device.is_some(), "it takes a small scene");
+        assert!(rig.on_device.is_some() && rig.solver.has_device(), "it takes a small scene");
         assert!(difference(&as_baked, &on_cores) < 2e-3, "{}", difference(&as_baked, &on_cores));
 
         situation.poses.set(1, Pose { translate: Vec3::X * 0.3, ..Pose::AS_BAKED });
