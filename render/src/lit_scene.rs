@@ -200,7 +200,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// # Errors
     /// Sources beyond the adapter's limits, or a lost device.
     pub fn light(&mut self, look: &Look) -> Result<(), BackendError> {
-        self.light_first(look)?;
+        self.light_first(look, true)?;
         while self.is_unsolved {
             self.advance()?;
         }

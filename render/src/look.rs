@@ -123,7 +123,8 @@ impl Redo {
             environment: !illumination.is_same(&new.illumination) || *illum_cut != new.illum_cut,
             lights: *lights != new.lights,
             gathering: (*illum_cut, *tau) != (new.illum_cut, new.tau),
-            eye: !new.poses.is_empty() && view.camera.eye != new.view.camera.eye,
+            // `LitScene` takes it at rest.
+            eye: false,
         };
         let shown =
             *components != new.components || *solution != new.solution || old.shown_solution() != new.shown_solution();
@@ -220,16 +221,6 @@ mod tests {
         );
         assert_eq!(redone(|look| look.post.exposure = 1.0), DISPLAY);
         assert_eq!(redone(|look| look.view.camera.eye.x += 1.0), VIEW);
-        let mut posed = look();
-        posed.poses.set(0, Pose { scale: 2.0, ..Pose::AS_BAKED });
-        let mut beside = posed.clone();
-        beside.view.camera.eye.x += 1.0;
-        let toward_eye = Changes { eye: true, ..Changes::NONE };
-        assert_eq!(
-            Redo::between(&posed, &beside),
-            Redo { light: toward_eye, ..VIEW },
-            "what is posed shines elsewhere"
-        );
         assert_eq!(redone(|look| look.view.aa = 4), VIEW);
         assert_eq!(redone(|look| look.view.background = Background::Transparent), VIEW);
         assert_eq!(redone(|look| look.sampling = BrdfSampling::Once), Redo { pixels: Stale::ALL, ..DISPLAY });

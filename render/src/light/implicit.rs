@@ -63,7 +63,8 @@ impl Sides {
     }
 }
 
-/// The light of posed objects, for pixels.
+/// The light of posed objects, for pixels. At glossy vertices irradiance is that with which a diffuse surface of the same albedo would
+/// reflect as much toward one eye.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PosedLight {
     /// Whether each vertex is away from its baked position.
@@ -136,14 +137,29 @@ impl Seen {
                 arriving.zip(surfaces).map(|(e, (albedo, emission))| (e * *albedo * FRAC_1_PI + *emission).into());
             forest.pull(&sent.collect::<Vec<Vec3A>>())
         });
-        if sky.shines() || sent.is_some() {
+        if !gloss.is_empty() && (sky.shines() || sent.is_some()) {
             let views = &*self.sight.views(forest, gloss.span());
             let (mesh, surfels, eye) = (points.mesh(), points.points(), asked.eye);
             let seen = SeenLeaves { forest, views, mesh, surfels, eye, sent: sent.as_deref() };
             let received = Received { from_sky: &mut of_sky, from_leaves: &mut others };
             gloss.toward_eye(&seen, |direction| sky.radiance(direction), received);
         }
-        [of_sky, others].map(|leaves| self.open.at_vertices(vertices, &leaves))
+        [of_sky, others].map(|leaves| self.at_vertices(vertices, &leaves, gloss))
+    }
+
+    /// Values of the leaves at the vertices. Beside gloss they count by what they reflect, since a dark leaf may reflect much more than
+    /// its albedo says.
+    fn at_vertices(&self, vertices: &VertexLeaves, leaves: &[Vec3], gloss: &Gloss) -> Sides {
+        if gloss.is_empty() {
+            return self.open.at_vertices(vertices, leaves);
+        }
+        let albedo = self.points.albedo();
+        let reflected: Vec<Vec3> = leaves.iter().zip(albedo).map(|(e, albedo)| *e * *albedo).collect();
+        let [reflected, albedo] = [&reflected, albedo].map(|leaves| self.open.at_vertices(vertices, leaves));
+        let share = |_, reflected: Vec3, albedo: Vec3| {
+            Vec3::select(albedo.cmpgt(Vec3::ZERO), reflected / albedo.max(Vec3::splat(f32::MIN_POSITIVE)), Vec3::ZERO)
+        };
+        combined(&reflected, &albedo, share)
     }
 
     /// Light of the leaves.
@@ -225,6 +241,11 @@ impl PoseRig {
         scene.clone().with_cuts(cuts)
     }
 
+    /// Whether any surface is glossy, so that its light depends on the eye.
+    pub fn is_glossy(&self) -> bool {
+        !self.gloss.is_empty()
+    }
+
     /// ImplicitDetail of the surfels, bins and bounces.
     pub fn detail(&self) -> ImplicitDetail {
         self.detail
@@ -281,8 +302,7 @@ impl Relight for PoseRig {
             self.sky = SkyGrid::of(situation);
         }
         if changes.appearance {
-            let as_baked = &self.as_baked;
-            self.gloss = Gloss::new(&situation.appearance, as_baked.points.mesh(), as_baked.forest.surfels());
+            self.gloss = Gloss::new(&situation.appearance, &self.as_baked.points);
         }
         self.eye = situation.eye;
         let lights = [&*situation.lights, &*situation.suns].concat();

@@ -28,7 +28,7 @@ pub struct Situation {
     pub lights: Arc<[Light]>,
     /// How cuts gather bounced light.
     pub gathering: Gathering,
-    /// Position of the eye in meters, toward which posed glossy surfaces reflect.
+    /// Position of the eye in meters, toward which glossy surfaces of a posed scene reflect.
     pub eye: Vec3,
     /// Where solvers may compute.
     pub compute: Compute,
@@ -79,7 +79,7 @@ pub struct Changes {
     pub lights: bool,
     /// How cuts gather.
     pub gathering: bool,
-    /// The eye, where posed surfaces shine.
+    /// The eye, while something is posed.
     pub eye: bool,
 }
 

@@ -1,5 +1,5 @@
 //! The ladder of a look's light, from a drag's time limit to full quality: steps of the solver of bounced light, then the finest
-//! detail of posed objects. Solvers do not check the time; the caller does, between steps.
+//! detail of posed objects, and what glossy surfaces reflect toward the eye. Solvers do not check the time; the caller does, between steps.
 
 use super::LitScene;
 use crate::{Backend, BackendError, Look, Redo, light::implicit::detail::ImplicitDetail};
@@ -31,11 +31,11 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// # Errors
     /// As [`Self::light`].
     pub fn light_soon(&mut self, look: &Look) -> Result<(), BackendError> {
-        // Another view needs no new light, unless something is posed.
+        // Another view needs no new light.
         if !self.is_lit_as(look) {
             self.detail = self.drag_detail;
         }
-        self.light_first(look)
+        self.light_first(look, false)
     }
 
     fn is_lit_as(&self, look: &Look) -> bool {
@@ -47,7 +47,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
 
     /// Whether the light can be refined.
     pub fn is_coarse(&self) -> bool {
-        self.is_unsolved || self.detail().is_some_and(|detail| detail != ImplicitDetail::FINEST)
+        let is_elsewhere = || self.lit.as_ref().is_some_and(|lit| self.reflects_elsewhere(&lit.look));
+        self.is_unsolved || self.detail().is_some_and(|detail| detail != ImplicitDetail::FINEST) || is_elsewhere()
     }
 
     /// Whether steps of bounced light remain, which can be taken at once.
@@ -67,7 +68,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             return Ok(Refined::Nothing);
         }
         self.detail = ImplicitDetail::FINEST;
-        self.light_first(look)?;
+        self.light_first(look, true)?;
         Ok(Refined::Light)
     }
 

@@ -8,9 +8,10 @@ use crate::{
 };
 
 impl<B: Backend + ?Sized> LitScene<B> {
-    /// [`Self::light`] with the first step of bounced light.
-    pub(super) fn light_first(&mut self, look: &Look) -> Result<(), BackendError> {
-        let redo = self.redo(look);
+    /// [`Self::light`] with the first step of bounced light. Glossy surfaces of a posed scene reflect toward the eye only if
+    /// `toward_eye`, or if they receive other light anyway: a drag of the camera need not wait for them.
+    pub(super) fn light_first(&mut self, look: &Look, toward_eye: bool) -> Result<(), BackendError> {
+        let redo = self.redo(look, toward_eye);
         self.arrange(look, redo.light)?;
         let (before, changes) = (self.lit.take().map(|lit| lit.local), redo.light);
         self.relight = false;
@@ -31,6 +32,10 @@ impl<B: Backend + ?Sized> LitScene<B> {
                 self.is_unsolved = was_unsolved;
                 local.clone()
             }
+            Some(local) if changes == (Changes { eye: true, ..Changes::NONE }) && !redo.shown => {
+                self.is_unsolved = was_unsolved;
+                self.reflect_toward_eye(look, local.clone())?
+            }
             _ => self.light_locally(look, redo)?,
         };
         self.stale = self.stale.and(self.reached(redo, before.as_ref(), &local));
@@ -39,7 +44,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     }
 
     /// What the renderer must redo to show a look.
-    fn redo(&self, look: &Look) -> Redo {
+    fn redo(&self, look: &Look, toward_eye: bool) -> Redo {
         let redo = match &self.lit {
             Some(lit) => Redo::between(&lit.look, look),
             None => Redo::ALL,
@@ -47,7 +52,16 @@ impl<B: Backend + ?Sized> LitScene<B> {
         let appearance = redo.light.appearance;
         let redo =
             if self.relight { Redo { light: Changes { appearance, ..Changes::ALL }, ..Redo::ALL } } else { redo };
-        Redo { light: Changes { poses: self.must_pose(&look.poses), ..redo.light }, ..redo }
+        let eye = toward_eye && self.reflects_elsewhere(look);
+        let all = Pixels::all_if(eye);
+        let pixels = redo.pixels.and(Stale { environment: all, bounce: all, ..Stale::NOTHING });
+        Redo { light: Changes { poses: self.must_pose(&look.poses), eye, ..redo.light }, pixels, ..redo }
+    }
+
+    /// Whether glossy surfaces of the posed scene reflect toward another eye than the look's.
+    pub(super) fn reflects_elsewhere(&self, look: &Look) -> bool {
+        let is_shown = !self.situation.poses.is_empty() && self.pose_rigs.is_glossy();
+        is_shown && self.situation.eye != look.view.camera.eye
     }
 
     /// Updates the situation. If objects cannot be posed this way, it stays unchanged.
@@ -73,7 +87,9 @@ impl<B: Backend + ?Sized> LitScene<B> {
             situation.suns = suns.into();
             self.light_revision += 1;
         }
-        situation.eye = look.view.camera.eye;
+        if changes.any() {
+            situation.eye = look.view.camera.eye;
+        }
         // Bounced light does not depend on it.
         self.local_rig.note(Changes { eye: false, ..changes });
         self.pose_rigs.note(changes);
@@ -113,17 +129,31 @@ impl<B: Backend + ?Sized> LitScene<B> {
     fn light_locally(&mut self, look: &Look, redo: Redo) -> Result<LocalLighting, BackendError> {
         let (situation, solution) = (&self.situation, look.shown_solution());
         self.is_unsolved = look.components.indirect && self.local_rig.advance(situation, solution);
-        let rig = self.pose_rigs.used().filter(|_| !situation.poses.is_empty());
-        let bounces = if solution.follows_poses() { 0 } else { solution.bounces() };
         let local = self.local_rig.lighting(situation, look.components, solution);
-        let has_glossy_bounces = bounces > 0 && local.sources().is_some();
-        let posed = rig.map(|rig| rig.lit(situation).light(bounces, has_glossy_bounces).into());
-        let local = local.with_posed(posed, solution);
+        let local = self.posed_light(look, local);
         let Changes { poses, environment, lights, .. } = redo.light;
         if poses || environment || lights || redo.shown || local.bounce.is_some() || local.posed.is_some() {
             let remarks = self.backend.set_local_lighting(&local)?;
             self.remarks.replace(2, remarks);
         }
+        Ok(local)
+    }
+
+    /// The same with the light of the posed scene.
+    fn posed_light(&mut self, look: &Look, local: LocalLighting) -> LocalLighting {
+        let (situation, solution) = (&self.situation, look.shown_solution());
+        let rig = self.pose_rigs.used().filter(|_| !situation.poses.is_empty());
+        let bounces = if solution.follows_poses() { 0 } else { solution.bounces() };
+        let has_glossy_bounces = bounces > 0 && local.sources().is_some();
+        let posed = rig.map(|rig| rig.lit(situation).light(bounces, has_glossy_bounces).into());
+        local.with_posed(posed, solution)
+    }
+
+    /// The same light where glossy surfaces of the posed scene reflect toward the eye.
+    fn reflect_toward_eye(&mut self, look: &Look, local: LocalLighting) -> Result<LocalLighting, BackendError> {
+        let local = self.posed_light(look, local);
+        let remarks = self.backend.set_local_lighting(&local)?;
+        self.remarks.replace(2, remarks);
         Ok(local)
     }
 

@@ -59,6 +59,11 @@ impl PoseRigs {
         self.used.as_ref().map(|rig| rig.before().detail())
     }
 
+    /// Whether the last used rig has glossy surfaces.
+    pub fn is_glossy(&self) -> bool {
+        self.used.as_ref().is_some_and(|rig| rig.before().is_glossy())
+    }
+
     /// The last used rig.
     pub fn used(&mut self) -> Option<&mut Pending<PoseRig>> {
         self.used.as_mut()

@@ -9,7 +9,7 @@ use crate::meshless::object_bases::Carrier;
 use glam::{Mat3, Mat3A, Vec3A};
 use std::ops::Range;
 
-/// Receivers whose rays the device takes at once: 8 MB of them at 512 rays each.
+/// Most receivers whose rays the device takes in a step: 8 MB of them at 512 rays each.
 const RECEIVERS_AT_A_TIME: usize = 4096;
 
 /// Gathers light for the functions level by level. It may add in another order than the cores.
@@ -108,7 +108,7 @@ impl Radiosity {
         Ok(DeviceProgress { step: self.device_step, level: 0, active, enough: -1.0, gathers: 0 })
     }
 
-    /// Goes on until the rays of as many receivers are traced, or to the end.
+    /// Goes on until the rays of as many receivers are traced or of [`RECEIVERS_AT_A_TIME`] taken, or to the end.
     fn go_on(
         &mut self,
         device: &mut dyn TransportDevice,
@@ -119,9 +119,10 @@ impl Radiosity {
         let mut left = receivers.max(1);
         while progress.level < self.bases.levels() {
             let unknown = &mut progress.active.unknown;
-            let now: Vec<u32> = unknown.drain(..self.count_within(unknown, &mut left)).collect();
-            for some in now.chunks(RECEIVERS_AT_A_TIME) {
-                device.take_rays(&self.with_rays(surface, some, |gather| gather.told()))?;
+            let within = self.count_within(unknown, &mut left).min(RECEIVERS_AT_A_TIME);
+            let now: Vec<u32> = unknown.drain(..within).collect();
+            if !now.is_empty() {
+                device.take_rays(&self.with_rays(surface, &now, |gather| gather.told()))?;
             }
             if !unknown.is_empty() {
                 break;

@@ -38,6 +38,7 @@ impl Radiosity {
         let count = self.moves.count;
         self.moves.objects.extend(moved.iter().map(|(&object, &bounds)| (object, (count, bounds))));
         self.device.iter_mut().for_each(|device| device.forget_rays());
+        self.device_step += 1;
         self.look_again(surface, moved, left);
     }
 

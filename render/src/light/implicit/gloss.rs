@@ -1,6 +1,9 @@
 //! What glossy leaves reflect toward the eye: their BRDFs over their bins (implicit visibility, Eq. 2 to 5).
 
-use crate::appearance::{Appearance, ResolvedAppearance};
+use crate::{
+    appearance::{Appearance, ResolvedAppearance},
+    light::bounce::LitPoints,
+};
 use glam::{Vec3, Vec3A};
 use lapidary_core::{
     brdf::SurfaceBrdf,
@@ -58,15 +61,20 @@ struct Reflected {
 }
 
 impl Gloss {
-    /// The glossy leaves among the surfels of a forest.
-    pub fn new(appearance: &Appearance, mesh: &Mesh, surfels: impl ExactSizeIterator<Item = Surfel>) -> Self {
+    /// The glossy ones among the leaves.
+    pub fn new(appearance: &Appearance, leaves: &LitPoints) -> Self {
         let appearance = ResolvedAppearance::from(appearance.clone());
-        let glossy = |(leaf, surfel): (usize, Surfel)| {
-            let brdf = appearance.at_place(mesh, surfel.place).brdf;
+        let glossy = |(leaf, surfel): (usize, &Surfel)| {
+            let brdf = appearance.at_place(leaves.mesh(), surfel.place).brdf;
             let albedo = brdf.as_brdf().albedo();
             brdf.as_brdf().narrowest_lobe().map(|_| GlossyLeaf { leaf: leaf as u32, brdf, albedo })
         };
-        Self { leaves: surfels.enumerate().filter_map(glossy).collect() }
+        Self { leaves: leaves.points().par_iter().enumerate().filter_map(glossy).collect() }
+    }
+
+    /// Whether no leaf is glossy.
+    pub fn is_empty(&self) -> bool {
+        self.leaves.is_empty()
     }
 
     /// The first to the last glossy leaf; empty without any.
@@ -192,7 +200,7 @@ mod tests {
         let baked = Baked::from(dataset).posed(&away).unwrap();
         let (mesh, materials) = (&baked.dataset.scene.mesh, Appearance::of(&baked.dataset.scene));
         let forest = SurfelForest::new(mesh, &baked.dataset.two_sided, 256);
-        let gloss = Gloss::new(&materials, mesh, forest.surfels());
+        let gloss = Gloss::new(&materials, &LitPoints::new(&baked, forest.surfels().collect(), 1));
         let views = Bins::walk(forest.discs(), BinLayout::FINEST, &|_| true).views();
         let surfels: Vec<Surfel> = forest.surfels().collect();
         let leaf = surfels.iter().position(|s| s.normal.y > 0.99 && s.position.length() < 1.0).unwrap();

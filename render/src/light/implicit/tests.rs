@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::{
-    Backend, Components, CpuBackend, LitScene, LocalLighting, Look, Renderer,
+    Backend, Components, CpuBackend, LitScene, LocalLighting, Look, Refined, Renderer,
     light::solver::solutions::Solution,
     test_scenes::{
         Edited, dataset, from_above, from_the_side, glossy, illumination, mesh, point_light, rel_rmse, white,
     },
 };
 use lapidary_core::{
-    brdf::Parameters,
+    brdf::{GgxParameters, Parameters},
     dataset::Dataset,
     image::Image,
     material::BrdfModel,
@@ -209,12 +209,65 @@ fn the_reflection_in_a_glossy_floor_follows_what_moved() {
     let (near, diffuse) = (rel_rmse(&preview, &truth), rel_rmse(&with_diffuse_ratio(&as_baked, &look), &truth));
     println!("glossy: {near}, by the ratio of diffuse light {diffuse}");
     assert!(near < 0.10 && diffuse > 1.5 * near, "{near}, negative control {diffuse}: the ratio of diffuse light");
+}
+
+#[test]
+fn what_a_posed_surface_reflects_follows_the_eye_at_rest() {
+    let mut as_baked = blocked(glossy(0.5), 8);
+    as_baked.scene.materials[0].model = BrdfModel::Ggx;
+    let mut look = Look::under_environment(&as_baked.scene, from_the_side(24), sky());
+    look.poses = posed(Pose { translate: Vec3::X * 0.6, ..Pose::AS_BAKED });
     let mut elsewhere = look.clone();
     elsewhere.view.camera.eye = Vec3::new(-2.0, 1.5, -2.5);
-    let mut scene = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), as_baked.clone().into()).unwrap();
-    scene.set_detail(ImplicitDetail::OF_A_DRAG);
-    let pictures = [&elsewhere, &look].map(|look| scene.show_whole(look).unwrap().image);
-    assert!(pictures[1] == preview && pictures[0] != preview, "it follows the eye");
+    let begin = || LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), as_baked.clone().into()).unwrap();
+    let posed_light = |scene: &LitScene| scene.local().unwrap().posed.clone().unwrap();
+    let [here, there] = [&look, &elsewhere].map(|look| {
+        let mut scene = begin();
+        let picture = scene.show_whole(look).unwrap().image;
+        (posed_light(&scene), picture)
+    });
+    assert!(here.0 != there.0, "negative control: another eye");
+    let mut scene = begin();
+    assert!(scene.show_whole(&look).unwrap().image == here.1 && !scene.is_coarse());
+    scene.light_soon(&elsewhere).unwrap();
+    assert!(posed_light(&scene) == here.0, "a drag of the camera need not wait");
+    assert_eq!(scene.detail(), Some(ImplicitDetail::FINEST));
+    assert!(scene.is_coarse() && scene.refine(&elsewhere).unwrap() == Refined::Light && !scene.is_coarse());
+    assert!(posed_light(&scene) == there.0 && scene.show_whole(&elsewhere).unwrap().image == there.1);
+    let mut diffuse = LitScene::<dyn Backend>::new(Box::new(CpuBackend::new()), blocked(white(), 8).into()).unwrap();
+    look.appearance = crate::Appearance::of(&diffuse.baked().dataset.scene);
+    diffuse.show_whole(&look).unwrap();
+    diffuse.light_soon(&Look { view: elsewhere.view.clone(), ..look }).unwrap();
+    assert!(!diffuse.is_coarse(), "nothing is glossy");
+}
+
+#[test]
+fn dark_gloss_beside_white_paint_does_not_brighten_it() {
+    let [white, black] = [0.9, 0.0].map(|base| GgxParameters { base_color: Vec3::splat(base), ..glossy(0.5) });
+    let tiled = |dataset: &mut Dataset| {
+        let scene = &mut dataset.scene;
+        scene.materials[0].model = BrdfModel::Ggx;
+        scene
+            .materials
+            .push(lapidary_core::material::Material { parameters: black.into(), ..scene.materials[0].clone() });
+        let blocker = scene.mesh.triangles.len() - 4;
+        (0..blocker).for_each(|triangle| scene.mesh.triangle_material[triangle] = (triangle as u32 / 8) % 2);
+    };
+    let mut as_baked = blocked(white, 24);
+    tiled(&mut as_baked);
+    let mut look = Look::under_environment(&as_baked.scene, from_the_side(48), sky());
+    look.view.camera.eye = Vec3::new(0.0, 0.7, 4.0);
+    look.poses = posed(Pose { translate: Vec3::new(0.6, -0.5, -0.4), scale: 1.3, ..Pose::AS_BAKED });
+    let mut posed_bake = baked_so(&as_baked, &look.poses, white);
+    posed_bake.scene.materials = as_baked.scene.materials.clone();
+    let truth = picture(&posed_bake, |seen| *seen = Look { poses: Poses::default(), ..look.clone() });
+    let preview = picture(&as_baked, |seen| *seen = look.clone());
+    let (near, before) = (
+        rel_rmse(&preview, &truth),
+        rel_rmse(&picture(&as_baked, |seen| *seen = Look { poses: Poses::default(), ..look.clone() }), &truth),
+    );
+    println!("tiles: {near}, as baked {before}");
+    assert!(near < 0.10 && before > 2.5 * near, "{near}, negative control {before}");
 }
 
 #[test]
