@@ -1,6 +1,5 @@
-//! The graphics device, and what computes on it without a picture: kernels, rays, implicit visibility, meshless
-//! radiosity. Within WebGPU's default limits
-//! and without optional features.
+//! The graphics device, and what computes on it without a picture: kernels, rays, implicit visibility, meshless radiosity. Within
+//! WebGPU's default limits and without optional features.
 
 mod adapter;
 mod bindings;
