@@ -200,7 +200,7 @@ fn with_diffuse_ratio(as_baked: &Dataset, look: &Look) -> Image {
 fn the_reflection_in_a_glossy_floor_follows_what_moved() {
     // Its alpha is the square of the roughness.
     let floor = glossy(0.2_f32.sqrt());
-    let mut as_baked = blocked(floor.clone(), 24);
+    let mut as_baked = blocked(floor, 24);
     as_baked.scene.materials[0].model = BrdfModel::Ggx;
     let mut look = Look::under_environment(&as_baked.scene, from_the_side(48), sky());
     look.poses = posed(Pose { translate: Vec3::new(0.6, -0.5, -0.4), scale: 1.3, ..Pose::AS_BAKED });
