@@ -215,7 +215,8 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
     if !state.pose.poses_since(&state.work, baked).is_empty() {
         let is_solved = state.picture.shown().is_some_and(|shown| shown.tier == Tier::Solved);
         return Some(match (is_solved, state.baking.is_updating()) {
-            (true, _) => {
+            (true, true) => "Bounced light is solved for the moved objects. Their exact shadows are being baked",
+            (true, false) => {
                 "Bounced light is solved for the moved objects. Their shadows of the environment are a preview"
             }
             (false, true) => {
