@@ -1,5 +1,6 @@
 //! The ladder of a look's light, from a drag's time limit to full quality: steps of the solver of bounced light, then the finest
-//! detail of posed objects, and what glossy surfaces reflect toward the eye. Solvers do not check the time; the caller does, between steps.
+//! detail of posed objects, and what glossy surfaces reflect toward the eye. Solvers do not check the time; the caller does, between
+//! steps.
 
 use super::LitScene;
 use crate::{Backend, BackendError, Look, Redo, light::implicit::detail::ImplicitDetail};
