@@ -48,15 +48,7 @@ impl Drop for Screen {
 impl Screen {
     /// Starts display and program.
     fn start(program: &Path, place: &Place) -> Self {
-        let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", &format!("{}x{}x24", SIZE[0], SIZE[1])])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let mut number = String::new();
-        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
-        let display = format!(":{}", number.trim());
+        let (server, display) = display();
         let editor = Command::new(program)
             .args(["edit", "look.lapidary", "--backend", "cpu"])
             .current_dir(place.folder.path())
@@ -118,6 +110,42 @@ impl Screen {
             std::thread::sleep(Duration::from_millis(200));
         }
     }
+}
+
+/// A virtual display that answers, and its name. A server can lose the race for its number to another on the machine; then the
+/// next one is tried.
+fn display() -> (Child, String) {
+    for _ in 0..5 {
+        let mut server = Command::new("Xvfb")
+            // Between two clients it does not start anew.
+            .args(["-noreset", "-displayfd", "1", "-screen", "0", &format!("{}x{}x24", SIZE[0], SIZE[1])])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        let name = format!(":{}", number.trim());
+        if answers(&mut server, &name) {
+            return (server, name);
+        }
+        // It may have ended already.
+        let _ = server.kill();
+        let _ = server.wait();
+    }
+    panic!("Xvfb does not start a display; what it said stands above");
+}
+
+/// Whether a display comes to answer a client before its server ends.
+fn answers(server: &mut Child, name: &str) -> bool {
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(20) && server.try_wait().unwrap().is_none() {
+        let client = Command::new("xdotool").arg("getdisplaygeometry").env("DISPLAY", name).output().unwrap();
+        if client.status.success() {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    false
 }
 
 fn difference(a: &[[u8; 4]], b: &[[u8; 4]]) -> f64 {
