@@ -34,6 +34,7 @@
 //! * [`transport`]: one bounce of light, and the series over bounces
 //! * [`meshless`]: the meshless hierarchical basis and its light transport
 //! * [`implicit`]: light of moving scenes by implicit visibility
+//! * [`wavelet`]: wavelet radiance transport between quads
 //! * [`surfel`]: points of any kind of surface; [`mesh_surface`]: those of a mesh; [`ray`]: visibility
 //! * [`dataset`]: the `.cuts` file, with the settings and the report of its bake
 //!
@@ -82,3 +83,4 @@ pub mod test_scenes;
 pub mod texture;
 pub mod threads;
 pub mod transport;
+pub mod wavelet;

@@ -29,6 +29,7 @@ mod unshadowed;
 mod verify;
 mod vertices;
 mod warning;
+pub mod wavelet;
 
 pub use bake::{
     BakeJob, Geometry, bake, bake_on, bake_shard,

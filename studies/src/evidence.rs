@@ -7,7 +7,6 @@ mod clusters;
 mod cube_map;
 mod cut_sizes;
 mod functions;
-mod haar;
 mod implicit;
 mod ladders;
 mod notebook;

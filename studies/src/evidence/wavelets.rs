@@ -10,7 +10,6 @@ use super::{
     cases::{Bakes, Case, TREES},
     clusters::label,
     cube_map::{self, FACES},
-    haar::{self, Nonlinear},
     notebook::Notebook,
 };
 use crate::report::{
@@ -24,6 +23,7 @@ use lapidary_core::{
     cut::{CutCriterion, CutSelector},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
     ray::OPEN,
+    wavelet::haar::{self, Nonlinear},
 };
 use maud::{Markup, html};
 use serde::Serialize;

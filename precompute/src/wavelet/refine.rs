@@ -1,0 +1,228 @@
+//! Direct transport between the patches of a scene: the matrix of one bounce (wavelet paper, 4.3).
+//!
+//! Both ends of a pair of patches are halved while the kernel varies (4.3.2). What is left are pairs of nodes of almost constant
+//! transport, and one Haar transform for each of the four squares makes coefficients of them: the paper's bottom-up integration
+//! (4.3.1) of all links of a pair of patches at once. So no link is met twice.
+//!
+//! Departures: directions are as fine as the BRDF at once, since the paper refines them by the BRDF alone, and all samples of
+//! a pair of nodes serve all cells of directions. Pairs that touch get Lambert's form factor in place of the mean of a singular
+//! kernel; samples tell how much of it is blocked, and from where it comes.
+
+use super::{
+    form_factor,
+    oracle::{KernelSample, Pair, deviation, mean_over_cells},
+};
+use crate::{
+    errors::{BakeError, cancelled},
+    observer::Observer,
+};
+use glam::{UVec2, Vec2, Vec3};
+use lapidary_core::{
+    brdf::SurfaceBrdf,
+    ray::Intersector,
+    sphere::concentric::HemisphereCells,
+    wavelet::{
+        operator::{Operator, RadianceBasis, RadianceFunction, TransportCoefficient},
+        patch::Patch,
+        square::{Function, Node, transform, transform_products},
+    },
+};
+use rayon::prelude::*;
+use std::{collections::BTreeMap, f32::consts::PI};
+
+/// Thresholds of direct transport.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TransportSettings {
+    /// Largest variation of the kernel times the area of a part of the receiver (ε_r of the paper).
+    pub receiver_threshold: f32,
+    /// The same for the sender (ε_s): receivers are finer.
+    pub sender_threshold: f32,
+    /// Halvings of a patch at most.
+    pub levels: u32,
+    /// Coefficients up to this are left out.
+    pub least: f32,
+}
+
+impl TransportSettings {
+    /// In a room with a box, all bounces are right to 0.5 %. The local error of one bounce is 5 %, and 9 % with four times the
+    /// thresholds.
+    pub const DEFAULT: Self = Self { receiver_threshold: 0.005, sender_threshold: 0.02, levels: 5, least: 1e-6 };
+}
+
+impl TransportSettings {
+    fn keeps(&self, coefficient: Vec3) -> bool {
+        coefficient.abs().max_element() > self.least
+    }
+}
+
+impl Default for TransportSettings {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// A patch with its reflectance.
+#[derive(Clone, Debug)]
+pub struct ReflectingPatch {
+    /// The quad.
+    pub patch: Patch,
+    brdf: SurfaceBrdf,
+    /// Cells of directions that resolve its BRDF.
+    cells: HemisphereCells,
+}
+
+/// Narrowest lobe that 8 x 8 cells of directions hold, as microfacet alpha.
+const ALPHA_OF_8: f32 = 0.2;
+
+impl ReflectingPatch {
+    /// A diffuse surface has one cell of directions, others 8 x 8, or 16 x 16 for narrow lobes.
+    pub fn new(patch: Patch, brdf: SurfaceBrdf) -> Self {
+        let side = match brdf.as_brdf().narrowest_lobe() {
+            None => 1,
+            Some(alpha) if alpha >= ALPHA_OF_8 => 8,
+            Some(_) => 16,
+        };
+        Self { patch, brdf, cells: HemisphereCells { side } }
+    }
+
+    /// Mean BRDF over each cell of incident directions, toward a direction in the world.
+    pub fn reflected(&self, toward: Vec3, place: Vec2) -> Vec<Vec3> {
+        mean_over_cells(&self.brdf, self.cells, self.patch.frame.transpose() * toward, place)
+    }
+
+    /// Halvings of the square of directions.
+    fn angle_level(&self) -> u32 {
+        self.cells.side.ilog2()
+    }
+
+    /// The nodes of its cells of directions.
+    fn angles(&self) -> impl Iterator<Item = Node> {
+        let (level, cells) = (self.angle_level(), self.cells);
+        (0..cells.len())
+            .map(move |cell| Node::of_cell(level, UVec2::new((cell % cells.side) as u32, (cell / cells.side) as u32)))
+    }
+}
+
+/// Parts of the transport between two patches that are almost constant: nodes of the receiver's places and directions, and of the
+/// sender's places; with the coefficient between their smooth functions. For each function of the sender's directions.
+type Blocks = BTreeMap<Function, Vec<([Node; 3], Vec3)>>;
+
+/// The matrix of one bounce between patches, and its functions.
+///
+/// # Errors
+/// [`BakeError::Cancelled`].
+pub fn direct_transport(
+    patches: &[ReflectingPatch],
+    rays: &Intersector,
+    offset: f32,
+    settings: &TransportSettings,
+    observer: &dyn Observer,
+) -> Result<(RadianceBasis, Operator), BakeError> {
+    let pairs = patches.len() * patches.len();
+    let of_pair = |index: usize| {
+        cancelled(observer)?;
+        let [receiver, sender] = [index / patches.len(), index % patches.len()];
+        let pair = Pair { receiver: &patches[receiver], sender: &patches[sender], rays, offset, seed: index as u32 };
+        let refining = Refining { pair, settings };
+        let mut blocks = Blocks::new();
+        refining.refine([Node::ROOT; 2], &mut blocks);
+        let coefficients = blocks.into_iter().flat_map(|(from_angle, blocks)| {
+            transform_products(&blocks).into_iter().map(move |([space, angle, from_space], value)| {
+                TransportCoefficient {
+                    receiver: RadianceFunction { patch: receiver as u32, space, angle },
+                    sender: RadianceFunction { patch: sender as u32, space: from_space, angle: from_angle },
+                    value,
+                }
+            })
+        });
+        Ok(coefficients.filter(|term| settings.keeps(term.value)).collect::<Vec<_>>())
+    };
+    let of_pairs: Vec<Vec<_>> = (0..pairs).into_par_iter().map(of_pair).collect::<Result<_, BakeError>>()?;
+    Ok(Operator::of(of_pairs.concat()))
+}
+
+/// The refinement of a pair of patches.
+struct Refining<'a> {
+    pair: Pair<'a>,
+    settings: &'a TransportSettings,
+}
+
+impl Refining<'_> {
+    /// Halves both nodes as long as the kernel varies, and adds what is left to `blocks`.
+    fn refine(&self, [receiver, sender]: [Node; 2], blocks: &mut Blocks) {
+        let samples = self.pair.samples(receiver, sender);
+        let is_seen = samples.iter().any(KernelSample::is_seen);
+        let is_whole = receiver == Node::ROOT && sender == Node::ROOT;
+        let is_facing = samples.iter().any(|sample| sample.unblocked > 0.0);
+        if !is_facing || !is_seen && !is_whole {
+            return;
+        }
+        let varies = deviation(&samples, self.pair.sender.cells.len());
+        let exceeds = |node: Node, patch: &Patch, threshold: f32| {
+            // Few samples of a whole patch may miss an opening.
+            let is_coarse = varies * area(patch, node) > threshold || !is_seen;
+            is_coarse && node.level() < self.settings.levels
+        };
+        let splits = [
+            exceeds(receiver, &self.pair.receiver.patch, self.settings.receiver_threshold),
+            exceeds(sender, &self.pair.sender.patch, self.settings.sender_threshold),
+        ];
+        if splits == [false; 2] {
+            return self.add(&samples, [receiver, sender], blocks);
+        }
+        let parts = |node: Node, splits: bool| if splits { node.children().to_vec() } else { vec![node] };
+        for part in parts(receiver, splits[0]) {
+            parts(sender, splits[1]).into_iter().for_each(|from| self.refine([part, from], blocks));
+        }
+    }
+
+    /// Adds the blocks of two nodes: one for each cell in which light arrives and each in which the sender got it.
+    fn add(&self, samples: &[KernelSample], [receiver, sender]: [Node; 2], blocks: &mut Blocks) {
+        let Pair { receiver: to, sender: from, .. } = self.pair;
+        let unblocked: f32 = samples.iter().map(|sample| sample.unblocked).sum();
+        let mean = self.mean_form_factor(samples, sender) * PI / area(&from.patch, sender);
+        // Norms of the smooth functions, times the areas and weights of the nodes.
+        let norm = (area(&to.patch, receiver) * area(&from.patch, sender)).sqrt() * to.cells.side as f32
+            / from.cells.side as f32;
+        let share = mean * norm / unblocked;
+        for (arrives, reflected) in self.arriving(samples) {
+            let mut of_cells: Vec<_> = from.angles().zip(reflected.into_iter().map(|sum| sum * share)).collect();
+            transform(&mut of_cells, |function, value| {
+                if self.settings.keeps(value) {
+                    blocks.entry(function).or_default().push(([receiver, arrives, sender], value));
+                }
+            });
+        }
+    }
+
+    /// For each of the receiver's cells of directions that light arrives in, the kernel by cells of the sender, summed over samples.
+    fn arriving(&self, samples: &[KernelSample]) -> BTreeMap<Node, Vec<Vec3>> {
+        let level = self.pair.receiver.angle_level();
+        let mut sums = BTreeMap::new();
+        for sample in samples.iter().filter(|sample| sample.is_seen()) {
+            let sum =
+                sums.entry(Node::at(level, sample.arrives)).or_insert_with(|| vec![Vec3::ZERO; sample.reflected.len()]);
+            sum.iter_mut().zip(&sample.reflected).for_each(|(sum, reflected)| *sum += *reflected * sample.unblocked);
+        }
+        sums
+    }
+
+    /// Mean form factor of a part of the sender from the sampled points of the receiver.
+    fn mean_form_factor(&self, samples: &[KernelSample], sender: Node) -> f32 {
+        let Pair { receiver: to, sender: from, .. } = self.pair;
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[x, y]| from.patch.point(sender.point(Vec2::new(x, y))));
+        // Seen from behind, it sends nothing.
+        let of_sample =
+            |sample: &KernelSample| form_factor::from_point(sample.at, to.patch.normal(), &corners).max(0.0);
+        samples.iter().map(of_sample).sum::<f32>() / samples.len() as f32
+    }
+}
+
+/// Area of a node of a patch in m².
+fn area(patch: &Patch, node: Node) -> f32 {
+    patch.area * node.side() * node.side()
+}
+
+#[cfg(test)]
+mod tests;
