@@ -1,5 +1,5 @@
 //! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), errors by bake settings, and the figures of
-//! the meshless basis, of implicit visibility and of meshless radiosity, measured anew. The page and the file of figures are
+//! the meshless basis, of meshless radiosity, of wavelet transport and of implicit visibility, measured anew. The page and the file of figures are
 //! rewritten after each figure.
 
 mod cases;
@@ -13,6 +13,7 @@ mod notebook;
 mod scale;
 mod sweeps;
 mod table;
+mod transport;
 mod variants;
 mod wavelets;
 
@@ -135,6 +136,7 @@ impl Measurement<'_> {
             sweeps::record(self, case, bakes, truth, notebook)?;
         }
         functions::record(self, cases, notebook)?;
+        transport::record(self, cases, notebook)?;
         implicit::record(self, cases, notebook)
     }
 }

@@ -157,6 +157,18 @@ impl Operator {
         Self::of_columns((0..self.functions()).map(column).collect())
     }
 
+    /// Sum of the squared differences of all coefficients, over the channels.
+    ///
+    /// # Panics
+    /// If their functions differ in number.
+    pub fn squared_distance(&self, other: &Self) -> f64 {
+        let negative = Self {
+            starts: other.starts.clone(),
+            entries: other.entries.iter().map(|(receiver, value)| (*receiver, -*value)).collect(),
+        };
+        self.plus(&negative).entries.iter().map(|(_, value)| f64::from(value.length_squared())).sum()
+    }
+
     /// The light that arrives for the light `sent`, one value a function each. Zeros of `sent` cost nothing (5.2).
     ///
     /// # Panics
@@ -234,6 +246,10 @@ pub(super) mod tests {
         let sum: Vec<Vec3> = a.apply(&sent).iter().zip(b.apply(&sent)).map(|(a, b)| *a + b).collect();
         assert!(differ(&a.plus(&b).apply(&sent), &sum) < 1e-5);
         assert_eq!(Operator::identity(12).apply(&sent), sent);
+        assert_eq!(
+            (a.squared_distance(&a), Operator::identity(2).squared_distance(&Operator::identity(2).compressed(2.0))),
+            (0.0, 6.0)
+        );
     }
 
     #[test]

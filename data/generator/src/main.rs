@@ -23,6 +23,7 @@ mod motion;
 mod noise;
 mod pear;
 mod pictures;
+mod quads;
 mod room;
 mod rounded_box;
 mod scene;
@@ -58,6 +59,9 @@ struct Options {
     /// Write a beach of about this many vertices for scaling measurements instead of the bundle; requires --out.
     #[arg(long, value_name = "VERTICES", requires = "out", value_parser = clap::value_parser!(u32).range(100_000..=20_000_000))]
     beach: Option<u32>,
+    /// Write the scenes of quads for wavelet transport instead of the bundle; requires --out.
+    #[arg(long, requires = "out", conflicts_with = "beach")]
+    quads: bool,
 }
 
 fn main() -> Result<()> {
@@ -65,6 +69,9 @@ fn main() -> Result<()> {
     let out = options.out.unwrap_or_else(data_folder);
     if let Some(vertices) = options.beach {
         return write_scene(&beach::beach(vertices as usize), &folder(&out, "beach")?);
+    }
+    if options.quads {
+        return quads::scenes().iter().try_for_each(|scene| write_scene(scene, &folder(&out, scene.name)?));
     }
     write_bundle(&out, CLOTH_RESOLUTION)
 }

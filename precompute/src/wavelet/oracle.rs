@@ -1,11 +1,10 @@
 //! Samples of the kernel of transport between two parts of patches, and the decision to refine them (wavelet paper, Eq. 4 and 4.3.2).
 
-use super::refine::ReflectingPatch;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::SurfaceBrdf, ray::Intersector, simd::Vec3x8, sphere::concentric::HemisphereCells, wavelet::square::Node,
+    ray::Intersector,
+    wavelet::{reflecting::ReflectingPatch, square::Node},
 };
-use wide::f32x8;
 
 /// Samples of each pair of nodes.
 pub const SAMPLES: u32 = 32;
@@ -87,22 +86,6 @@ pub fn deviation(samples: &[KernelSample], cells: usize) -> f32 {
     };
     (0..cells).map(of_cell).sum::<f32>() / cells as f32
 }
-
-/// Mean BRDF over each of the cells of incident directions, toward the direction `wo`, both in the frame of the surface.
-pub fn mean_over_cells(brdf: &SurfaceBrdf, cells: HemisphereCells, wo: Vec3, place: Vec2) -> Vec<Vec3> {
-    let mut means = Vec::with_capacity(cells.len());
-    for first in (0..cells.len()).step_by(8) {
-        let directions: [Vec3; 8] =
-            std::array::from_fn(|lane| cells.direction_within((first + lane).min(cells.len() - 1), place));
-        let reflected = brdf.as_brdf().brdf_cos_x8(Vec3x8::from_array(directions), wo, f32x8::ZERO);
-        let lanes = directions.iter().enumerate().take(cells.len() - first);
-        means.extend(lanes.map(|(lane, wi)| reflected.lane(lane) / wi.z.max(LEAST_COSINE)));
-    }
-    means
-}
-
-/// Smallest cosine of an incident direction, against a division by zero at the horizon.
-const LEAST_COSINE: f32 = 1e-4;
 
 fn scrambled(receiver: Node, sender: Node) -> u32 {
     let of = |node: Node| (node.level() << 28) ^ (node.cell().x << 14) ^ node.cell().y;

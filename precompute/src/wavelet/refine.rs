@@ -10,20 +10,19 @@
 
 use super::{
     form_factor,
-    oracle::{KernelSample, Pair, deviation, mean_over_cells},
+    oracle::{KernelSample, Pair, deviation},
 };
 use crate::{
     errors::{BakeError, cancelled},
     observer::Observer,
 };
-use glam::{UVec2, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use lapidary_core::{
-    brdf::SurfaceBrdf,
     ray::Intersector,
-    sphere::concentric::HemisphereCells,
     wavelet::{
         operator::{Operator, RadianceBasis, RadianceFunction, TransportCoefficient},
         patch::Patch,
+        reflecting::ReflectingPatch,
         square::{Function, Node, transform, transform_products},
     },
 };
@@ -39,14 +38,17 @@ pub struct TransportSettings {
     pub sender_threshold: f32,
     /// Halvings of a patch at most.
     pub levels: u32,
-    /// Coefficients up to this are left out.
+    /// Coefficients of one bounce up to this are left out.
     pub least: f32,
+    /// Coefficients of each power in the series of bounces up to this are left out (τ).
+    pub compression: f32,
 }
 
 impl TransportSettings {
     /// In a room with a box, all bounces are right to 0.5 %. The local error of one bounce is 5 %, and 9 % with four times the
     /// thresholds.
-    pub const DEFAULT: Self = Self { receiver_threshold: 0.005, sender_threshold: 0.02, levels: 5, least: 1e-6 };
+    pub const DEFAULT: Self =
+        Self { receiver_threshold: 0.005, sender_threshold: 0.02, levels: 5, least: 1e-6, compression: 1e-5 };
 }
 
 impl TransportSettings {
@@ -58,48 +60,6 @@ impl TransportSettings {
 impl Default for TransportSettings {
     fn default() -> Self {
         Self::DEFAULT
-    }
-}
-
-/// A patch with its reflectance.
-#[derive(Clone, Debug)]
-pub struct ReflectingPatch {
-    /// The quad.
-    pub patch: Patch,
-    brdf: SurfaceBrdf,
-    /// Cells of directions that resolve its BRDF.
-    cells: HemisphereCells,
-}
-
-/// Narrowest lobe that 8 x 8 cells of directions hold, as microfacet alpha.
-const ALPHA_OF_8: f32 = 0.2;
-
-impl ReflectingPatch {
-    /// A diffuse surface has one cell of directions, others 8 x 8, or 16 x 16 for narrow lobes.
-    pub fn new(patch: Patch, brdf: SurfaceBrdf) -> Self {
-        let side = match brdf.as_brdf().narrowest_lobe() {
-            None => 1,
-            Some(alpha) if alpha >= ALPHA_OF_8 => 8,
-            Some(_) => 16,
-        };
-        Self { patch, brdf, cells: HemisphereCells { side } }
-    }
-
-    /// Mean BRDF over each cell of incident directions, toward a direction in the world.
-    pub fn reflected(&self, toward: Vec3, place: Vec2) -> Vec<Vec3> {
-        mean_over_cells(&self.brdf, self.cells, self.patch.frame.transpose() * toward, place)
-    }
-
-    /// Halvings of the square of directions.
-    fn angle_level(&self) -> u32 {
-        self.cells.side.ilog2()
-    }
-
-    /// The nodes of its cells of directions.
-    fn angles(&self) -> impl Iterator<Item = Node> {
-        let (level, cells) = (self.angle_level(), self.cells);
-        (0..cells.len())
-            .map(move |cell| Node::of_cell(level, UVec2::new((cell % cells.side) as u32, (cell / cells.side) as u32)))
     }
 }
 

@@ -190,6 +190,14 @@ impl Measurement<'_> {
             ..self.lit_from_afar(dataset, size)
         }
     }
+
+    /// The look of bounced light alone, of local lights.
+    pub fn bounced(&self, dataset: &Arc<Dataset>, solution: Solution) -> Look {
+        let mut look = self.lit_by_lamps(dataset, self.scale.view);
+        (look.solution, look.components) = (solution, Components { indirect: true, ..Components::NONE });
+        look.illumination.intensity = 0.0;
+        look
+    }
 }
 
 /// The scene's first camera, or a view of the whole scene. The background is black, so errors are on surfaces alone.

@@ -6,7 +6,7 @@ use crate::{
     test_scenes::{cuboid, floor, quad, room, scene_of},
 };
 use lapidary_core::{
-    brdf::BrdfModel,
+    brdf::{BrdfModel, SurfaceBrdf},
     material::{Material, ResolvedMaterial},
     mesh::Mesh,
     wavelet::{patch::patches, series::GlobalTransport, square::transform},

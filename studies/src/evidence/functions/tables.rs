@@ -14,7 +14,7 @@ use crate::{
 use anyhow::{Context, Result};
 use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_precompute::Phase;
-use lapidary_render::{Baked, Components, CpuBackend, LitScene, Look, Solution};
+use lapidary_render::{Baked, CpuBackend, LitScene, Look, Solution};
 use maud::{Markup, html};
 use serde::Serialize;
 use std::{sync::Arc, time::Instant};
@@ -134,14 +134,6 @@ impl RadiosityRow {
 }
 
 impl Measurement<'_> {
-    /// The look of bounced light alone, of local lights.
-    pub(super) fn bounced(&self, dataset: &Arc<Dataset>, solution: Solution) -> Look {
-        let mut look = self.lit_by_lamps(dataset, self.scale.view);
-        (look.solution, look.components) = (solution, Components { indirect: true, ..Components::NONE });
-        look.illumination.intensity = 0.0;
-        look
-    }
-
     /// The picture of a look.
     pub(super) fn picture(&self, dataset: &Arc<Dataset>, look: &Look) -> Result<Image> {
         self.steps.check()?;

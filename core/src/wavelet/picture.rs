@@ -1,0 +1,146 @@
+//! Radiance on patches as textures, synthesized from the basis (wavelet paper, 5.3 and 5.4).
+
+use super::{
+    operator::RadianceBasis,
+    reflecting::ReflectingPatch,
+    square::{Function, Node},
+};
+use crate::sphere::concentric::HemisphereCells;
+use glam::{UVec2, Vec2, Vec3};
+use rayon::prelude::*;
+use std::{collections::BTreeMap, f32::consts::PI};
+
+/// Radiance that arrives on a patch: a texture with the mean over each cell of directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PatchTexture {
+    /// Texels along an edge, a power of two.
+    side: u32,
+    cells: HemisphereCells,
+    /// Texel by texel, row by row; for each its cells.
+    radiance: Vec<Vec3>,
+}
+
+impl PatchTexture {
+    /// The textures of all patches for coefficients of the basis. A texture is as fine as the finest function of its patch.
+    pub fn all(patches: &[ReflectingPatch], basis: &RadianceBasis, coefficients: &[Vec3]) -> Vec<Self> {
+        let of_patch = |(index, reflecting): (usize, &ReflectingPatch)| {
+            let functions = basis.functions();
+            let start = functions.partition_point(|function| function.patch < index as u32);
+            let end = functions.partition_point(|function| function.patch <= index as u32);
+            let mut by_angle = BTreeMap::<Function, Vec<(Function, Vec3)>>::new();
+            let own = functions[start..end].iter().zip(&coefficients[start..end]);
+            own.filter(|(_, value)| **value != Vec3::ZERO).for_each(|(function, value)| {
+                by_angle.entry(function.angle).or_default().push((function.space, *value))
+            });
+            Self::of(by_angle, 1.0 / (PI * reflecting.patch.area).sqrt(), reflecting.cells)
+        };
+        patches.par_iter().enumerate().map(of_patch).collect()
+    }
+
+    /// Space first, then angle (Fig. 5).
+    fn of(by_angle: BTreeMap<Function, Vec<(Function, Vec3)>>, norm: f32, cells: HemisphereCells) -> Self {
+        let finest = by_angle.values().flatten().map(|(space, _)| finest_level(*space)).max().unwrap_or(0);
+        let side = 1 << finest;
+        let mut radiance = vec![Vec3::ZERO; (side * side) as usize * cells.len()];
+        for (angle, terms) in by_angle {
+            let mut texture = vec![Vec3::ZERO; (side * side) as usize];
+            terms.iter().for_each(|(space, value)| add(&mut texture, side, *space, *value * norm));
+            let mut of_cells = vec![0.0; cells.len()];
+            add(&mut of_cells, cells.side as u32, angle, 1.0);
+            for (texel, value) in radiance.chunks_mut(cells.len()).zip(&texture) {
+                texel.iter_mut().zip(&of_cells).for_each(|(cell, height)| *cell += *value * *height);
+            }
+        }
+        Self { side, cells, radiance }
+    }
+
+    /// Cells of directions.
+    pub fn cells(&self) -> HemisphereCells {
+        self.cells
+    }
+
+    /// Radiance by cells at a point of the unit square, interpolated between the texels around it.
+    pub fn at(&self, square: Vec2) -> Vec<Vec3> {
+        let place = square * self.side as f32 - 0.5;
+        let (low, part) = (place.floor(), place - place.floor());
+        let mut sums = vec![Vec3::ZERO; self.cells.len()];
+        for [x, y] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
+            let weight = (if x > 0.0 { part.x } else { 1.0 - part.x }) * (if y > 0.0 { part.y } else { 1.0 - part.y });
+            let texel = (low + Vec2::new(x, y)).clamp(Vec2::ZERO, Vec2::splat((self.side - 1) as f32)).as_uvec2();
+            let first = (texel.y * self.side + texel.x) as usize * self.cells.len();
+            sums.iter_mut().zip(&self.radiance[first..]).for_each(|(sum, value)| *sum += *value * weight);
+        }
+        sums
+    }
+}
+
+/// The level of the cells on which a function is constant.
+fn finest_level(function: Function) -> u32 {
+    if function == Function::CONSTANT { 0 } else { function.support().level() + 1 }
+}
+
+/// Adds a function to a grid that resolves it.
+fn add<T: Copy + std::ops::AddAssign + std::ops::Mul<f32, Output = T>>(
+    grid: &mut [T],
+    side: u32,
+    function: Function,
+    value: T,
+) {
+    let parts: Vec<(Node, f32)> = match function == Function::CONSTANT {
+        true => vec![(Node::ROOT, 1.0)],
+        false => function.support().children().into_iter().zip(function.values()).collect(),
+    };
+    for (node, height) in parts {
+        let size = side >> node.level();
+        let UVec2 { x, y } = node.cell() * size;
+        for row in y..y + size {
+            let first = (row * side + x) as usize;
+            grid[first..first + size as usize].iter_mut().for_each(|texel| *texel += value * height);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        test_scenes::{floor, scene_of},
+        wavelet::{
+            operator::{Operator, RadianceFunction, TransportCoefficient},
+            square::transform_products,
+        },
+    };
+
+    #[test]
+    fn textures_have_the_radiance_of_their_functions() {
+        let ground = ReflectingPatch::of_scene(&scene_of(&floor(1.0, 0.0))).unwrap().remove(0);
+        let ground = ReflectingPatch { cells: HemisphereCells { side: 4 }, ..ground };
+        let norm = (PI * ground.patch.area).sqrt();
+        let node = |level, x, y| Node::of_cell(level, UVec2::new(x, y));
+        // Radiance 2 on a quarter of the places from a sixteenth of the directions, and 1 everywhere.
+        let quarter = 2.0 * norm * node(1, 1, 0).side() * node(2, 3, 1).side();
+        let products = [([Node::ROOT; 2], Vec3::splat(norm)), ([node(1, 1, 0), node(2, 3, 1)], Vec3::splat(quarter))];
+        let terms = transform_products(&products);
+        let of = |[space, angle]: [Function; 2]| RadianceFunction { patch: 0, space, angle };
+        let coefficient = |(functions, _): &([Function; 2], Vec3)| TransportCoefficient {
+            receiver: of(*functions),
+            sender: of(*functions),
+            value: Vec3::ONE,
+        };
+        let (basis, _) = Operator::of(terms.iter().map(coefficient).collect());
+        let mut coefficients = vec![Vec3::ZERO; basis.functions().len()];
+        for (functions, value) in &terms {
+            coefficients[basis.index_of(&of(*functions)).unwrap() as usize] = *value;
+        }
+        let patches = [ground];
+        let texture = &PatchTexture::all(&patches, &basis, &coefficients)[0];
+        let cell = 3 + 4;
+        let within = texture.at(Vec2::new(0.75, 0.25));
+        assert!((within[cell].x - 3.0).abs() < 1e-4 && (within[0].x - 1.0).abs() < 1e-4, "{within:?}");
+        assert!((texture.at(Vec2::new(0.25, 0.25))[cell].x - 1.0).abs() < 1e-4);
+        let between = texture.at(Vec2::new(0.5, 0.25))[cell].x;
+        assert!((between - 2.0).abs() < 1e-4, "half way between two texels: {between}");
+        let dark = PatchTexture::all(&patches, &basis, &vec![Vec3::ZERO; coefficients.len()]);
+        assert_ne!(&dark[0], texture, "negative control");
+    }
+}
