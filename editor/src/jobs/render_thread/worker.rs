@@ -304,7 +304,10 @@ impl Worker {
             return Ok(());
         }
         let from = (request.look.view.camera.clone(), full, request.look.poses.clone());
-        let stays = self.seen_from.replace(from.clone()) == Some(from);
+        let before = self.seen_from.replace(from.clone());
+        // A new bake of moved objects has them in place, so poses relative to the bake change although nothing moves.
+        let is_in_place = |before: &(Camera, [u32; 2], Poses)| before.2 == from.2 || self.replaces && !request.moving;
+        let stays = before.is_some_and(|before| (&before.0, before.1) == (&from.0, from.1) && is_in_place(&before));
         self.replaces &= stays;
         let size = if stays { full } else { self.sketch_pace.reduced_size(full, FIRST_SHARE * self.budget_ms) };
         self.begin(request, size)
