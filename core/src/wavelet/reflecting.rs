@@ -18,7 +18,7 @@ pub struct ReflectingPatch {
     pub patch: Patch,
     /// Cells of incident directions that resolve its BRDF. A diffuse surface has one.
     pub cells: HemisphereCells,
-    brdf: SurfaceBrdf,
+    pub(super) brdf: SurfaceBrdf,
 }
 
 /// Largest relative error of a BRDF that is taken as constant in cells of directions, as root mean square.
