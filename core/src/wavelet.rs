@@ -8,7 +8,6 @@
 //! the matrices, and synthesized as textures of the quads ([`picture`], 5.4).
 
 pub mod direct;
-pub mod haar;
 pub mod operator;
 pub mod patch;
 pub mod picture;

@@ -1,12 +1,13 @@
 //! `lapidary evidence`: the figures of the paper's evaluation (Fig. 5, 6, 7 and 10), errors by bake settings, and the figures of
-//! the meshless basis, of meshless radiosity, of wavelet transport and of implicit visibility, measured anew. The page and the file of figures are
-//! rewritten after each figure.
+//! the meshless basis, of meshless radiosity, of wavelet transport and of implicit visibility, measured anew. The page and the
+//! file of figures are rewritten after each figure.
 
 mod cases;
 mod clusters;
 mod cube_map;
 mod cut_sizes;
 mod functions;
+mod haar;
 mod implicit;
 mod ladders;
 mod notebook;

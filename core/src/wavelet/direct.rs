@@ -1,7 +1,8 @@
 //! Direct light of local lights on patches, projected to the basis at run time (wavelet paper, 5.1).
 //!
 //! A patch is as finely projected as its share of the light's power asks for. Rays stand in for the paper's occlusion queries.
-//! Departure: light lies in the cell of directions that it comes from, where the basis has one. The paper takes it as diffuse.
+//! Departures: light lies in the cell of directions that it comes from, where the basis has one. The paper takes it as diffuse. Lights
+//! with an extent are sampled at four of their points.
 
 use super::{
     operator::{RadianceBasis, RadianceFunction},
@@ -62,7 +63,7 @@ impl DirectProjection<'_> {
             let samples = RAYS_ALONG * RAYS_ALONG;
             let arriving = move |i: u32| {
                 let place = (Vec2::new((i % RAYS_ALONG) as f32, (i / RAYS_ALONG) as f32) + 0.5) / RAYS_ALONG as f32;
-                self.arriving(light, patch, node.point(place))
+                self.arriving(light, patch, node.point(place), place)
             };
             (0..samples).filter_map(arriving).map(move |(direction, irradiance)| {
                 let angle = Node::at(angle_level, patch.square_of_direction(direction));
@@ -74,10 +75,10 @@ impl DirectProjection<'_> {
         nodes.flat_map(lit).collect()
     }
 
-    /// Direction of a light and its irradiance at a point of a patch, if it arrives.
-    fn arriving(&self, light: &Light, patch: &Patch, square: Vec2) -> Option<(Vec3, Vec3)> {
+    /// Direction of a light and its irradiance at a point of a patch, if it arrives. `u` chooses a point of the light.
+    fn arriving(&self, light: &Light, patch: &Patch, square: Vec2, u: Vec2) -> Option<(Vec3, Vec3)> {
         let at = patch.point(square) + patch.normal() * self.offset;
-        let sample = light.sample(at, Vec2::splat(0.5))?;
+        let sample = light.sample(at, u)?;
         let cosine = sample.direction.dot(patch.normal());
         let is_lit = cosine > 0.0
             && match sample.distance.is_finite() {
@@ -94,10 +95,16 @@ impl DirectProjection<'_> {
             let sample = light.sample(at, Vec2::splat(0.5))?;
             Some(sample.irradiance.max_element() * sample.direction.dot(patch.normal()).max(0.0))
         };
-        let squares = [0.0, 0.25, 0.5, 0.75, 1.0];
-        let powers = squares.iter().flat_map(|&x| squares.iter().filter_map(move |&y| power(Vec2::new(x, y))));
-        let share =
-            powers.fold(0.0, f32::max) * patch.area / light.power_bound(patch.area.sqrt()).max(f32::MIN_POSITIVE);
+        // A grid may miss the narrow cone of a spot and the brightest place below a lamp.
+        let to_plane = (patch.corner - light.position).dot(patch.normal());
+        let along = light.forward().map(|forward| (forward, to_plane / forward.dot(patch.normal())));
+        let aimed = along.filter(|(_, distance)| *distance > 0.0 && distance.is_finite());
+        let aimed = aimed.map(|(forward, distance)| light.position + forward * distance);
+        let brightest = [Some(light.position), aimed].into_iter().flatten();
+        let on_patch = brightest.map(|point| patch.square_of(point).clamp(Vec2::ZERO, Vec2::ONE));
+        let grid = (0..25).map(|i| Vec2::new((i % 5) as f32, (i / 5) as f32) / 4.0);
+        let most = grid.chain(on_patch).filter_map(power).fold(0.0, f32::max);
+        let share = most * patch.area / light.power_bound(patch.area.sqrt()).max(f32::MIN_POSITIVE);
         let halvings = 0.5 * (share / LARGEST_SHARE).max(1.0).log2();
         (halvings.ceil() as u32).min(self.levels)
     }
@@ -194,5 +201,28 @@ mod tests {
         let above = radiance(&basis, &coefficients, place, toward);
         let beside = radiance(&basis, &coefficients, place, Vec2::ONE - toward);
         assert!(above > 10.0 && beside.abs() < 0.01, "{above} {beside}");
+        let mean = |coefficients: &[Vec3]| {
+            let center = |i: u32| (Vec2::new((i % 16) as f32, (i / 16) as f32) + 0.5) / 16.0;
+            (0..256).map(|i| radiance(&basis, coefficients, place, center(i))).sum::<f32>() / 256.0
+        };
+        let expected = 1.08_f32.powf(-1.5);
+        assert!(
+            (PI * mean(&coefficients) / expected - 1.0).abs() < 0.06,
+            "{} for {expected}",
+            PI * mean(&coefficients)
+        );
+        let higher = projected(&Light { position: 1.2 * Vec3::Y, ..lamp }, BrdfModel::Ggx, false).1;
+        assert!((PI * mean(&higher) / expected - 1.0).abs() > 0.2, "negative control: a higher lamp");
+    }
+
+    #[test]
+    fn a_narrow_cone_is_not_missed() {
+        let lit = |target: Vec3| {
+            let emission = Emission::Spot { cone_degrees: 3.0, penumbra_degrees: 1.0 };
+            let spot = Light { position: Vec3::Y, target, emission, ..Light::default() };
+            projected(&spot, BrdfModel::Lambert, false).1.iter().any(|value| *value != Vec3::ZERO)
+        };
+        assert!(lit(Vec3::new(0.33, 0.0, -0.21)));
+        assert!(!lit(Vec3::new(4.0, 0.0, 0.0)), "negative control: aimed beside the floor");
     }
 }

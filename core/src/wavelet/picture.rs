@@ -54,11 +54,6 @@ impl PatchTexture {
         Self { side, cells, radiance }
     }
 
-    /// Cells of directions.
-    pub fn cells(&self) -> HemisphereCells {
-        self.cells
-    }
-
     /// Radiance by cells at a point of the unit square, interpolated between the texels around it.
     pub fn at(&self, square: Vec2) -> Vec<Vec3> {
         let place = square * self.side as f32 - 0.5;

@@ -8,7 +8,6 @@ use crate::{
     brdf::SurfaceBrdf, material::ResolvedMaterial, scene::Scene, simd::Vec3x8, sphere::concentric::HemisphereCells,
 };
 use glam::{UVec2, Vec2, Vec3, Vec4};
-use std::f32::consts::PI;
 use wide::f32x8;
 
 /// A patch with its reflectance.
@@ -115,11 +114,6 @@ fn error_in_cells(values: &[Vec3], side: usize) -> f32 {
     (errors / values.iter().copied().map(squared).sum::<f32>().max(f32::MIN_POSITIVE)).sqrt()
 }
 
-/// Irradiance of radiance by cells.
-pub fn irradiance(arriving: &[Vec3]) -> Vec3 {
-    arriving.iter().sum::<Vec3>() * (PI / arriving.len() as f32)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,7 +147,6 @@ mod tests {
         let gray = patch(BrdfModel::Lambert, &[], 0.5);
         let toward = gray.patch.direction(Vec2::new(0.3, 0.6));
         assert!((gray.outgoing(&[Vec3::ONE], toward).x - 0.5).abs() < 1e-5);
-        assert!((irradiance(&[Vec3::ONE; 16]).x - PI).abs() < 1e-5);
         let metal = patch(BrdfModel::Ggx, &[("roughness", 0.6), ("metalness", 1.0)], 0.9);
         let all = vec![Vec3::ONE; metal.cells.len()];
         let straight = metal.patch.normal();

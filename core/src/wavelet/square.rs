@@ -94,15 +94,10 @@ impl Function {
         Node(self.0 / 4)
     }
 
-    /// The sign on each of the four children of the support.
-    pub fn signs(self) -> [f32; 4] {
-        SIGNS[(self.0 % 4) as usize]
-    }
-
     /// Its value on each child of the support.
     pub fn values(self) -> [f32; 4] {
         let height = 1.0 / self.support().side();
-        self.signs().map(|sign| sign * height)
+        SIGNS[(self.0 % 4) as usize].map(|sign| sign * height)
     }
 
     /// Its value at a point of the unit square.

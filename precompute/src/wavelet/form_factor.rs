@@ -10,8 +10,8 @@ pub fn from_point(point: Vec3, normal: Vec3, corners: &[Vec3; 4]) -> f32 {
     let edges = above.as_slice().iter().zip(above.as_slice().iter().cycle().skip(1));
     let of_edge = |(&from, &to): (&Vec3, &Vec3)| {
         let across = from.cross(to);
-        // Parallel ends span no angle.
-        across.try_normalize().map_or(0.0, |axis| from.angle_between(to) * axis.dot(normal))
+        // Parallel ends span no angle. An arccosine would lose small angles.
+        across.try_normalize().map_or(0.0, |axis| across.length().atan2(from.dot(to)) * axis.dot(normal))
     };
     // Seen from the front, the edges turn clockwise.
     -edges.map(of_edge).sum::<f32>() / TAU
@@ -70,6 +70,16 @@ mod tests {
         let mut turned = ceiling(1.0);
         turned.reverse();
         assert!(from_point(Vec3::ZERO, Vec3::Y, &turned) < 0.0, "from behind");
+    }
+
+    #[test]
+    fn a_small_square_covers_its_area() {
+        let small = ceiling(1.0).map(|corner| Vec3::new(1e-2 * corner.x, corner.y, 1e-2 * corner.z));
+        let found = from_point(Vec3::ZERO, Vec3::Y, &small);
+        let expected = 1e-4 / std::f32::consts::PI;
+        assert!((found / expected - 1.0).abs() < 0.02, "{found} for {expected}");
+        let farther = small.map(|corner| corner + 0.05 * Vec3::Y);
+        assert!((from_point(Vec3::ZERO, Vec3::Y, &farther) / expected - 1.0).abs() > 0.05, "negative control: farther");
     }
 
     #[test]

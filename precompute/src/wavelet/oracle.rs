@@ -44,9 +44,8 @@ impl Pair<'_> {
     pub fn samples(&self, receiver: Node, sender: Node) -> Vec<KernelSample> {
         let seed = self.seed ^ scrambled(receiver, sender);
         let sample = |i: u32| {
-            let [x, y, z, _] = sobol_burley::sample_4d(i, 0, seed);
-            let w = sobol_burley::sample(i, 3, seed);
-            let [u, v] = [4, 5].map(|dimension| sobol_burley::sample(i, dimension, seed));
+            let [x, y, z, w] = sobol_burley::sample_4d(i, 0, seed);
+            let [u, v, ..] = sobol_burley::sample_4d(i, 1, seed);
             let at = self.receiver.patch.point(receiver.point(Vec2::new(x, y)));
             let from = self.sender.patch.point(sender.point(Vec2::new(z, w)));
             self.between(at, from, Vec2::new(u, v))

@@ -14,7 +14,7 @@ use crate::{
     sheet::{exposure, side_by_side},
 };
 use anyhow::Result;
-use lapidary_core::wavelet::{WaveletTransport, series::GlobalTransport};
+use lapidary_core::wavelet::series::GlobalTransport;
 use lapidary_interchange::image;
 use lit::LitQuads;
 use maud::html;
@@ -60,16 +60,18 @@ fn record_compression(measurement: &Measurement, lit: &LitQuads, notebook: &mut 
         let gathered = direct.after(&global.operator, threshold);
         (global, gathered)
     };
-    let (finest, finest_gathered) = of(THRESHOLDS[0]);
+    let mut finest = None;
     let mut rows = Vec::new();
     for threshold in THRESHOLDS {
         measurement.steps.check()?;
         let (global, gathered) = of(threshold);
+        let operators = [global.operator, gathered];
+        let of_finest = finest.get_or_insert_with(|| operators.clone());
         rows.push(Compressed {
             threshold,
-            bytes: [global.operator.bytes(), gathered.bytes()],
-            errors: [global.operator.squared_distance(&finest.operator), gathered.squared_distance(&finest_gathered)],
             coefficients: global.coefficients,
+            bytes: [0, 1].map(|i| operators[i].bytes()),
+            errors: [0, 1].map(|i| operators[i].squared_distance(&of_finest[i])),
         });
     }
     let body = html! {
@@ -121,15 +123,14 @@ fn record_gathering(measurement: &Measurement, lit: &LitQuads, notebook: &mut No
     let paths = lit.paths(measurement)?;
     let (mut rows, mut pictures) = (Vec::new(), Vec::new());
     for threshold in OF_FIG_4 {
-        let transport =
-            WaveletTransport { global: GlobalTransport::of(&lit.transport.direct, threshold), ..lit.transport.clone() };
+        let global = GlobalTransport::of(&lit.transport.direct, threshold);
         let direct = lit.direct();
-        let all = transport.global.operator.apply(&direct);
+        let all = global.operator.apply(&direct);
         let bounced: Vec<_> = all.iter().zip(&direct).map(|(all, direct)| *all - *direct).collect();
-        let [plain, gathered] = [bounced, transport.indirect(&direct)].map(|light| lit.picture(&light));
+        let [plain, gathered] = [bounced, lit.transport.direct.apply(&all)].map(|light| lit.picture(&light));
         rows.push(Gathered {
             threshold,
-            coefficients: transport.global.operator.len(),
+            coefficients: global.operator.len(),
             error: paths.against(&plain)?.error,
             gathered_error: paths.against(&gathered)?.error,
         });

@@ -10,6 +10,7 @@ use super::{
     cases::{Bakes, Case, TREES},
     clusters::label,
     cube_map::{self, FACES},
+    haar::{self, Nonlinear},
     notebook::Notebook,
 };
 use crate::report::{
@@ -23,7 +24,6 @@ use lapidary_core::{
     cut::{CutCriterion, CutSelector},
     light_tree::{Features, PilotVisibility, TreeKind, cluster_order},
     ray::OPEN,
-    wavelet::haar::{self, Nonlinear},
 };
 use maud::{Markup, html};
 use serde::Serialize;

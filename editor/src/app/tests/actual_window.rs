@@ -141,7 +141,9 @@ fn answers(server: &mut Child, name: &str) -> bool {
     while start.elapsed() < Duration::from_secs(20) && server.try_wait().unwrap().is_none() {
         let client = Command::new("xdotool").arg("getdisplaygeometry").env("DISPLAY", name).output().unwrap();
         if client.status.success() {
-            return true;
+            // Another server with the same number may have answered while this one ends.
+            std::thread::sleep(Duration::from_millis(200));
+            return server.try_wait().unwrap().is_none();
         }
         std::thread::sleep(Duration::from_millis(100));
     }

@@ -283,7 +283,8 @@ impl Worker {
         }
     }
 
-    /// Begins a picture: full size if first hits are unchanged, else as large as fits the frame time.
+    /// Begins a picture: full size if first hits are unchanged or another bake replaces the picture, else as large as fits the
+    /// frame time.
     fn begin_any(&mut self, request: &RenderRequest) -> Result<(), BackendError> {
         self.begun = None;
         self.replaces = false;

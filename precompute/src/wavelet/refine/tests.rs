@@ -9,7 +9,7 @@ use lapidary_core::{
     brdf::{BrdfModel, SurfaceBrdf},
     material::{Material, ResolvedMaterial},
     mesh::Mesh,
-    wavelet::{patch::patches, series::GlobalTransport, square::transform},
+    wavelet::{patch::patches, picture::PatchTexture, series::GlobalTransport, square::transform},
 };
 
 /// The BRDF of a gray material of a model.
@@ -26,22 +26,26 @@ fn diffuse(reflectance: f32) -> SurfaceBrdf {
 
 struct Transported {
     patches: Vec<Patch>,
+    reflecting: Vec<ReflectingPatch>,
     basis: RadianceBasis,
     operator: Operator,
 }
 
 impl Transported {
-    fn of(mesh: &Mesh, rays: &Intersector, brdf: &SurfaceBrdf, settings: &TransportSettings) -> Self {
+    /// The patches take the BRDFs in turn.
+    fn of(mesh: &Mesh, rays: &Intersector, brdfs: &[&SurfaceBrdf], settings: &TransportSettings) -> Self {
         let patches = patches(mesh).unwrap();
-        let reflecting: Vec<_> = patches.iter().map(|patch| ReflectingPatch::new(*patch, brdf.clone())).collect();
+        let brdfs = brdfs.iter().cycle().map(|&brdf| brdf.clone());
+        let reflecting: Vec<_> =
+            patches.iter().zip(brdfs).map(|(patch, brdf)| ReflectingPatch::new(*patch, brdf)).collect();
         let offset = 1e-5 * mesh.bounds().diagonal();
         let (basis, operator) = direct_transport(&reflecting, rays, offset, settings, &Silent).unwrap();
-        Self { patches, basis, operator }
+        Self { patches, reflecting, basis, operator }
     }
 
-    fn new(triangles: &[[Vec3; 3]], brdf: &SurfaceBrdf) -> Self {
+    fn new(triangles: &[[Vec3; 3]], brdfs: &[&SurfaceBrdf]) -> Self {
         let mesh = scene_of(triangles).mesh;
-        Self::of(&mesh, &Intersector::new(&mesh), brdf, &TransportSettings::DEFAULT)
+        Self::of(&mesh, &Intersector::new(&mesh), brdfs, &TransportSettings::DEFAULT)
     }
 
     fn constant(&self, patch: u32) -> Option<usize> {
@@ -99,16 +103,16 @@ fn parallel(half: f32, other: f32, height: f32) -> Vec<[Vec3; 3]> {
 
 #[test]
 fn parallel_squares_send_each_other_their_form_factor() {
-    let near = Transported::new(&parallel(0.5, 0.5, 1.0), &diffuse(1.0));
+    let near = Transported::new(&parallel(0.5, 0.5, 1.0), &[&diffuse(1.0)]);
     let found = near.form_factor(0, 1);
     assert!((found / 0.1998 - 1.0).abs() < 0.01, "{found}");
-    let far = Transported::new(&parallel(0.5, 0.5, 1.1), &diffuse(1.0)).form_factor(0, 1);
+    let far = Transported::new(&parallel(0.5, 0.5, 1.1), &[&diffuse(1.0)]).form_factor(0, 1);
     assert!((far / 0.1998 - 1.0).abs() > 0.05, "negative control: farther, {far}");
 }
 
 #[test]
 fn areas_times_form_factors_are_equal_both_ways() {
-    let pair = Transported::new(&parallel(0.3, 0.8, 0.5), &diffuse(1.0));
+    let pair = Transported::new(&parallel(0.3, 0.8, 0.5), &[&diffuse(1.0)]);
     let [up, down] = [pair.form_factor(0, 1), pair.form_factor(1, 0)];
     let [a, b] = [0, 1].map(|patch| pair.patches[patch].area);
     assert!((a * up / (b * down) - 1.0).abs() < 0.01, "{up} {down}");
@@ -127,7 +131,7 @@ fn furnished() -> Mesh {
 fn in_a_closed_room_one_bounce_of_light_from_everywhere_is_the_reflectance() {
     let (mesh, r) = (furnished(), 0.6);
     let largest_error = |rays: &Intersector| {
-        let room = Transported::of(&mesh, rays, &diffuse(r), &TransportSettings::DEFAULT);
+        let room = Transported::of(&mesh, rays, &[&diffuse(r)], &TransportSettings::DEFAULT);
         let once = room.means(&room.operator.apply(&room.ones()));
         once.iter().map(|mean| (mean / r - 1.0).abs()).fold(0.0, f32::max)
     };
@@ -140,7 +144,7 @@ fn in_a_closed_room_one_bounce_of_light_from_everywhere_is_the_reflectance() {
 #[test]
 fn all_bounces_in_a_closed_room_are_a_geometric_series() {
     let mesh = furnished();
-    let room = Transported::of(&mesh, &Intersector::new(&mesh), &diffuse(0.5), &TransportSettings::DEFAULT);
+    let room = Transported::of(&mesh, &Intersector::new(&mesh), &[&diffuse(0.5)], &TransportSettings::DEFAULT);
     let all = GlobalTransport::of(&room.operator, 1e-5);
     let means = room.means(&all.operator.apply(&room.ones()));
     let error = means.iter().map(|mean| (mean / 2.0 - 1.0).abs()).fold(0.0, f32::max);
@@ -156,12 +160,9 @@ fn all_bounces_in_a_closed_room_are_a_geometric_series() {
 
 #[test]
 fn a_glossy_floor_sends_light_on_where_its_lobe_goes() {
-    // Light from a quarter of the directions on a floor, on its way to a wall beside it.
-    let p = |y: f32, z: f32| Vec3::new(0.5, y, z);
-    let wall = quad(p(0.0, -0.5), p(0.0, 0.5), p(1.0, 0.5), p(1.0, -0.5));
-    let triangles = [floor(0.5, 0.0), wall].concat();
-    let glossy = brdf(BrdfModel::Ggx, &[("roughness", 0.55), ("metalness", 1.0)], 0.9);
-    let found = Transported::new(&triangles, &glossy);
+    // Light from a quarter of the directions on a floor, on its way to a diffuse wall beside it.
+    let glossy = glossy();
+    let found = Transported::new(&corner(), &[&glossy, &diffuse(0.5)]);
     let of_quarters: Vec<[f32; 2]> = Node::ROOT
         .children()
         .into_iter()
@@ -175,6 +176,42 @@ fn a_glossy_floor_sends_light_on_where_its_lobe_goes() {
     assert!(error < 0.03, "{of_quarters:?}");
     let least = of_quarters.iter().map(|[_, expected]| *expected).fold(f32::INFINITY, f32::min);
     assert!(least < 0.5 * most, "negative control: directions matter, {of_quarters:?}");
+}
+
+/// A floor and a wall beside it.
+fn corner() -> Vec<[Vec3; 3]> {
+    let p = |y: f32, z: f32| Vec3::new(0.5, y, z);
+    [floor(0.5, 0.0), quad(p(0.0, -0.5), p(0.0, 0.5), p(1.0, 0.5), p(1.0, -0.5))].concat()
+}
+
+fn glossy() -> SurfaceBrdf {
+    brdf(BrdfModel::Ggx, &[("roughness", 0.55), ("metalness", 1.0)], 0.9)
+}
+
+#[test]
+fn light_arrives_at_a_glossy_wall_from_where_the_floor_is() {
+    let found = Transported::new(&corner(), &[&diffuse(0.5), &glossy()]);
+    let light = found.operator.apply(&found.from_directions(0, Node::ROOT));
+    let arriving = &PatchTexture::all(&found.reflecting, &found.basis, &light)[1];
+    let place = Vec2::new(0.4, 0.3);
+    let (wall, cells) = (&found.reflecting[1], found.reflecting[1].cells);
+    let radiance = arriving.at(place);
+    let (mut shown, mut beside) = (0, 0);
+    for (cell, value) in radiance.iter().enumerate() {
+        let direction = wall.patch.frame * cells.direction_of(cell);
+        let at = wall.patch.point(place);
+        let on_floor = at - direction * (at.y / direction.y);
+        let margin = 0.5 - on_floor.x.abs().max(on_floor.z.abs());
+        // Cells across the edge of the floor, and nodes larger than the cells, blur it.
+        if direction.y < -0.1 && margin > 0.2 {
+            shown += 1;
+            assert!((value.x / 0.5 - 1.0).abs() < 0.25, "{direction}: {value}");
+        } else if direction.y > 0.1 {
+            beside += 1;
+            assert!(value.x.abs() < 0.02, "{direction}: {value}");
+        }
+    }
+    assert!(shown > 2 && beside > 10, "negative control: {shown} cells of the floor, {beside} of nothing");
 }
 
 /// Mean over the second patch of radiance from the first, which light of one from a part of the directions meets: the mean of random

@@ -38,6 +38,8 @@ struct Row {
     /// Fig. 9: projection of direct light, both products, and textures.
     milliseconds: [f64; 3],
     picture: String,
+    #[serde(skip)]
+    picture_size: [u32; 2],
     #[serde(flatten)]
     figures: Figures,
 }
@@ -89,7 +91,7 @@ pub fn record(measurement: &Measurement, lit: &[LitQuads], notebook: &mut Notebo
         }
         (table(&head, &rows.iter().map(cells).collect::<Vec<_>>()))
         @for row in &rows {
-            (figure("", &row.picture, measurement.scale.frame, &row.scene, html! {
+            (figure("", &row.picture, row.picture_size, &row.scene, html! {
                 b { "Fig. 10, " (row.scene) ": " } "bounced light by wavelets, and by light paths"
             }))
         }
@@ -131,6 +133,7 @@ impl Row {
             bytes: transport.direct.bytes() + transport.global.operator.bytes(),
             milliseconds: times.map(median),
             picture,
+            picture_size: strip.size,
             figures: paths.against(&image)?,
         })
     }

@@ -76,6 +76,7 @@ impl Nonlinear {
     }
 
     /// Squared error, summed over all values, with the `terms` largest coefficients.
+    #[cfg(test)]
     pub fn squared_error(&self, terms: usize) -> f64 {
         self.squared_errors.get(terms).copied().unwrap_or(0.0)
     }
