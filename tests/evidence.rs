@@ -88,6 +88,7 @@ fn a_scene_with_a_lamp_has_the_figures_of_functions() {
     assert!(number(&basis["links"]) > 1000.0 && number(&basis["functions"]) > number(&basis["coarsest"]), "{basis}");
     assert!(number(&solved["rays_traced_again"]) < number(&solved["rays"]), "{solved}");
     assert_eq!((&solved["object"], &solved["levels"]), (&"Short block".into(), &3.into()));
+    assert!(figures["wavelet_table1"].is_null(), "its blocks are no quads");
     for (pictures, count) in [("meshless_pictures", 4), ("radiosity_pictures", 3)] {
         let shown = figures[pictures].as_array().expect("a list");
         assert_eq!(shown.len(), count);
@@ -97,6 +98,67 @@ fn a_scene_with_a_lamp_has_the_figures_of_functions() {
             assert!(picture.pixels.iter().any(|pixel| pixel.max_element() > 0.1), "{figure}: not black");
         }
     }
+}
+
+#[test]
+fn a_room_of_quads_has_the_figures_of_wavelet_transport() {
+    let folder = Folder::new();
+    write_room(&folder);
+    folder.succeed("evidence --quick --no-bundled --scenes room.gltf --out proof");
+    let figures = &folder.json("proof/evidence.json")["figures"];
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let row = &figures["wavelet_table1"][0];
+    assert_eq!((&row["scene"], &row["patches"]), (&"room".into(), &6.into()));
+    // Few paths.
+    assert!(number(&row["error"]) < 0.2 && (number(&row["energy"]) - 1.0).abs() < 0.1, "{row}");
+    let links: Vec<f64> = row["links"].as_array().expect("a list").iter().map(number).collect();
+    assert!(links[0] > 100.0 && links[2] >= links[1], "{row}");
+    let compressed = figures["wavelet_compression"].as_array().expect("a list");
+    let errors: Vec<f64> = compressed.iter().map(|row| number(&row["errors"][0])).collect();
+    assert!(errors[0] == 0.0 && errors.is_sorted() && errors[3] > errors[1], "{errors:?}");
+    assert_eq!(figures["wavelet_gathering"].as_array().map(Vec::len), Some(3));
+    let picture = image::read(&folder.path("proof").join(row["picture"].as_str().expect("a name"))).expect("a picture");
+    assert!(picture.pixels.iter().any(|pixel| pixel.max_element() > 0.1), "not black");
+}
+
+/// Writes a closed gray room of six quads with a lamp in it.
+fn write_room(folder: &Folder) {
+    let mut bytes = Vec::new();
+    for (axis, sign) in (0..3).flat_map(|axis| [-1.0_f32, 1.0].map(|sign| (axis, sign))) {
+        let mut corners = [[-1.0_f32, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        if sign > 0.0 {
+            corners.reverse();
+        }
+        for [b, c] in corners {
+            let mut position = [0.0; 3];
+            (position[axis], position[(axis + 1) % 3], position[(axis + 2) % 3]) = (sign, b, c);
+            bytes.extend(position.into_iter().flat_map(f32::to_le_bytes));
+        }
+    }
+    let triangles = (0..6_u16).flat_map(|face| [0, 1, 2, 0, 2, 3].map(|corner| 4 * face + corner));
+    bytes.extend(triangles.flat_map(u16::to_le_bytes));
+    fs::write(folder.path("room.bin"), &bytes).expect("a file");
+    let scene = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 1.0}]}},
+        "scenes": [{"nodes": [0, 1, 2]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 1.2, "znear": 0.01}}],
+        "nodes": [
+            {"mesh": 0, "name": "Room"},
+            {"translation": [0.3, 0.5, 0.1], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"translation": [0.0, 0.0, 0.9], "camera": 0},
+        ],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.6, 0.6, 1.0], "metallicFactor": 0.0}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "buffers": [{"uri": "room.bin", "byteLength": bytes.len()}],
+        "bufferViews": [{"buffer": 0, "byteLength": 288}, {"buffer": 0, "byteOffset": 288, "byteLength": 72}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 24, "type": "VEC3", "min": [-1, -1, -1], "max": [1, 1, 1]},
+            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"},
+        ],
+    });
+    folder.write("room.gltf", scene.to_string());
 }
 
 #[test]
