@@ -17,9 +17,8 @@ use lapidary_interchange::{
 };
 use lapidary_render::{Backend, CpuBackend, LitScene, Look};
 use std::{
-    io::{BufRead, BufReader},
     path::{Path, PathBuf},
-    process::{Child, Command, Stdio},
+    process::{Child, Command},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -112,19 +111,14 @@ impl Screen {
     }
 }
 
-/// A virtual display that answers, and its name. A server can lose the race for its number to another on the machine; then the
-/// next one is tried.
+/// A virtual display that answers, and its name. Its number is that of this process, which two runs at once do not share; where
+/// another server has it, the next one is tried.
 fn display() -> (Child, String) {
-    for _ in 0..5 {
-        let mut server = Command::new("Xvfb")
-            // Between two clients it does not start anew.
-            .args(["-noreset", "-displayfd", "1", "-screen", "0", &format!("{}x{}x24", SIZE[0], SIZE[1])])
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut number = String::new();
-        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
-        let name = format!(":{}", number.trim());
+    let first = 100 + std::process::id() % 10_000;
+    for name in (first..first + 5).map(|number| format!(":{number}")) {
+        let screen = format!("{}x{}x24", SIZE[0], SIZE[1]);
+        // Between two clients it does not start anew.
+        let mut server = Command::new("Xvfb").args([&name, "-noreset", "-screen", "0", &screen]).spawn().unwrap();
         if answers(&mut server, &name) {
             return (server, name);
         }
