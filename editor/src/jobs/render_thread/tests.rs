@@ -133,20 +133,25 @@ fn another_bake_of_the_scene_replaces_the_picture_as_a_whole() {
         });
         frames
     };
-    thread.request(RenderRequest { baked: Some(dataset().into()), ..first.clone() });
     let is_whole = |frames: &[(bool, u32)]| frames.iter().all(|&(full_size, samples)| full_size && samples > 0);
-    let rebaked = frames(&mut thread);
-    assert!(is_whole(&rebaked), "{rebaked:?}");
-    let mut posed = first.clone();
-    posed.look.poses.set(0, Pose { translate: Vec3::X, ..Pose::AS_BAKED });
-    thread.request(posed.clone());
+    let rebaked = || RenderRequest { baked: Some(dataset().into()), ..first.clone() };
+    let moved = |mut request: RenderRequest| {
+        request.look.poses.set(0, Pose { translate: Vec3::X, ..Pose::AS_BAKED });
+        request
+    };
+    let again = rebaked();
+    thread.request(again.clone());
+    let shown = frames(&mut thread);
+    assert!(is_whole(&shown), "{shown:?}");
+    thread.request(moved(again));
     assert!(!is_whole(&frames(&mut thread)), "negative control: an object moves");
-    thread.request(RenderRequest { baked: Some(dataset().into()), ..first.clone() });
-    let baked_there = frames(&mut thread);
-    assert!(is_whole(&baked_there), "a bake of where the object is: {baked_there:?}");
-    thread.request(posed.clone());
+    let baked_there = rebaked();
+    thread.request(baked_there.clone());
+    let shown = frames(&mut thread);
+    assert!(is_whole(&shown), "a bake of where the object is: {shown:?}");
+    thread.request(moved(baked_there));
     frames(&mut thread);
-    thread.request(RenderRequest { baked: Some(dataset().into()), moving: true, ..first.clone() });
+    thread.request(RenderRequest { moving: true, ..rebaked() });
     assert!(!is_whole(&frames(&mut thread)), "negative control: something moves meanwhile");
     let other = Dataset { scene_hash: "another scene".into(), ..(*dataset()).clone() };
     thread.request(RenderRequest { baked: Some(other.into()), ..first });
