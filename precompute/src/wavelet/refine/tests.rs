@@ -65,7 +65,7 @@ impl Transported {
     }
 
     /// Radiance of one on a patch from a part of the directions.
-    fn from_directions(&self, patch: u32, part: Node) -> Vec<Vec3> {
+    fn light_from(&self, patch: u32, part: Node) -> Vec<Vec3> {
         let mut light = vec![Vec3::ZERO; self.operator.functions()];
         let norm = (PI * self.patches[patch as usize].area).sqrt() * part.side();
         transform(&mut vec![(part, norm)], |angle, value| {
@@ -167,7 +167,7 @@ fn a_glossy_floor_sends_light_on_where_its_lobe_goes() {
         .children()
         .into_iter()
         .map(|quarter| {
-            let arriving = found.means(&found.operator.apply(&found.from_directions(0, quarter)))[1];
+            let arriving = found.means(&found.operator.apply(&found.light_from(0, quarter)))[1];
             [arriving, arriving_by_chance(&found.patches, &glossy, quarter)]
         })
         .collect();
@@ -191,7 +191,7 @@ fn glossy() -> SurfaceBrdf {
 #[test]
 fn light_arrives_at_a_glossy_wall_from_where_the_floor_is() {
     let found = Transported::new(&corner(), &[&diffuse(0.5), &glossy()]);
-    let light = found.operator.apply(&found.from_directions(0, Node::ROOT));
+    let light = found.operator.apply(&found.light_from(0, Node::ROOT));
     let arriving = &PatchTexture::all(&found.reflecting, &found.basis, &light)[1];
     let place = Vec2::new(0.4, 0.3);
     let (wall, cells) = (&found.reflecting[1], found.reflecting[1].cells);
