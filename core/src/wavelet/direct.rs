@@ -56,9 +56,7 @@ impl DirectProjection<'_> {
     fn on_patch(&self, light: &Light, reflecting: &ReflectingPatch) -> Vec<([Node; 2], Vec3)> {
         let (patch, angle_level) = (&reflecting.patch, reflecting.angle_level());
         let level = self.level_for(light, patch);
-        let cells = 1_u32 << level;
-        let nodes = (0..cells * cells).map(|i| Node::of_cell(level, glam::UVec2::new(i % cells, i / cells)));
-        let area = patch.area / (cells * cells) as f32;
+        let area = patch.area / (1_u32 << (2 * level)) as f32;
         let lit = |node: Node| {
             let samples = RAYS_ALONG * RAYS_ALONG;
             let arriving = move |i: u32| {
@@ -72,7 +70,7 @@ impl DirectProjection<'_> {
                 ([node, angle], irradiance * (area * height / samples as f32))
             })
         };
-        nodes.flat_map(lit).collect()
+        Node::all(level).flat_map(lit).collect()
     }
 
     /// Direction of a light and its irradiance at a point of a patch, if it arrives. `u` chooses a point of the light.
@@ -127,10 +125,7 @@ mod tests {
     /// All functions of a patch down to a level, with directions of one level.
     fn basis(level: u32, angle_level: u32) -> RadianceBasis {
         let of = |level: u32| {
-            let cells = 1_u32 << level;
-            let mut smooth: Vec<_> = (0..cells * cells)
-                .map(|i| (Node::of_cell(level, glam::UVec2::new(i % cells, i / cells)), i as f32 + 1.0))
-                .collect();
+            let mut smooth: Vec<_> = Node::all(level).zip((1..).map(|i: u16| f32::from(i))).collect();
             let mut functions = Vec::new();
             transform(&mut smooth, |function, _| functions.push(function));
             functions

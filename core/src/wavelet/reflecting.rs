@@ -7,7 +7,7 @@ use super::{
 use crate::{
     brdf::SurfaceBrdf, material::ResolvedMaterial, scene::Scene, simd::Vec3x8, sphere::concentric::HemisphereCells,
 };
-use glam::{UVec2, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use wide::f32x8;
 
 /// A patch with its reflectance.
@@ -74,9 +74,7 @@ impl ReflectingPatch {
 
     /// The nodes of its cells of directions.
     pub fn angles(&self) -> impl Iterator<Item = Node> {
-        let side = self.cells.side as u32;
-        let level = self.angle_level();
-        (0..side * side).map(move |cell| Node::of_cell(level, UVec2::new(cell % side, cell / side)))
+        Node::all(self.angle_level())
     }
 }
 

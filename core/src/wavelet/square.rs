@@ -33,6 +33,12 @@ impl Node {
         })
     }
 
+    /// All nodes of a level, row by row.
+    pub fn all(level: u32) -> impl Iterator<Item = Self> {
+        let cells = 1 << level;
+        (0..cells * cells).map(move |cell| Self::of_cell(level, UVec2::new(cell % cells, cell / cells)))
+    }
+
     /// Halvings from the whole square.
     pub const fn level(self) -> u32 {
         self.0.ilog2() / 2
