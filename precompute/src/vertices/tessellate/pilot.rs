@@ -31,14 +31,15 @@ const DIRECTIONS: usize = 128;
 pub struct Stored {
     /// Visibility of distant light.
     pub environment: bool,
-    /// Light from surfaces.
+    /// Light from surface sources.
     pub bounces: bool,
 }
 
 impl Stored {
-    /// The functions of a bake.
+    /// The functions of a bake, if any: functions of a basis lie at points of their own.
     pub fn of(mode: BakeParts) -> Option<Self> {
-        Some(Self { environment: mode.environment(), bounces: mode.bounces() })
+        let (environment, bounces) = (mode.environment(), mode.sources());
+        (environment || bounces).then_some(Self { environment, bounces })
     }
 }
 

@@ -42,6 +42,15 @@ fn area(mesh: &Mesh) -> f32 {
 }
 
 #[test]
+fn only_what_vertices_store_asks_for_vertices() {
+    let of = |mode: BakeParts| Stored::of(mode).map(|stored| (stored.environment, stored.bounces));
+    assert_eq!(of(BakeParts::MESHLESS.with(BakeParts::RADIOSITY)), None, "functions lie at points of their own");
+    assert_eq!(of(BakeParts::ENVIRONMENT_MESHLESS), Some((true, false)));
+    assert_eq!(of(BakeParts::INDIRECT), Some((false, true)));
+    assert_eq!(of(BakeParts::ALL), Some((true, true)));
+}
+
+#[test]
 fn even_vertices_bound_all_edges_and_follow_no_shadow() {
     let longest = |scene: &Scene| {
         let mesh = &scene.mesh;
