@@ -84,20 +84,6 @@ fn sample_disc(light: LocalLight, u: vec2<f32>) -> LightSample {
     return LightSample(direction, light.intensity * (2.0 / (2.0 - light.area)));
 }
 
-// Maps the square from -1 to 1 to the unit disc (Shirley and Chiu 1997).
-fn concentric(square: vec2<f32>) -> vec2<f32> {
-    const QUARTER = 0.785398163;
-    var radius = square.y;
-    var angle = 2.0 * QUARTER;
-    if abs(square.x) > abs(square.y) {
-        radius = square.x;
-        angle = QUARTER * (square.y / square.x);
-    } else if square.y != 0.0 {
-        angle = 2.0 * QUARTER - QUARTER * (square.x / square.y);
-    }
-    return radius * vec2(cos(angle), sin(angle));
-}
-
 // Factor on the intensity toward a receiver in this direction.
 fn light_factor(light: LocalLight, direction: vec3<f32>) -> f32 {
     let cos = -dot(direction, light.forward);

@@ -30,7 +30,7 @@
 //!
 //! Surface sources are present for `--mode indirect`, `cuts` and `all`; the tensors `meshless_*` of
 //! `dataset/meshless.rs` for `--mode meshless` and `all`; the tensors `radiosity_*` of `dataset/object_bases.rs` for
-//! `--mode radiosity`.
+//! `--mode radiosity`; the tensors `wavelet_*` of `dataset/wavelet.rs` for `--mode wavelet`.
 //!
 //! The metadata holds JSON under `lapidary`: format version, settings, hashes, a checksum per tensor, the bake report,
 //! and the scene's lists. A file is written under a temporary name and renamed. [`Dataset::validate`] checks all contents
@@ -51,6 +51,7 @@ mod sources;
 mod stored;
 mod tensors;
 mod validate;
+mod wavelet;
 mod write;
 
 pub use audit::BakeAudit;
@@ -63,6 +64,7 @@ pub use settings::BakeSettings;
 pub use sources::{IndirectReport, IndirectSettings};
 #[cfg(any(test, feature = "test-scenes"))]
 pub(crate) use tensors::METADATA_KEY;
+pub use wavelet::{WaveletReport, WaveletSettings};
 
 use crate::{
     camera::Camera,
@@ -79,6 +81,7 @@ use crate::{
     shot::Shot,
     sources::IndirectBake,
     texture::{Texture, UvSet},
+    wavelet::WaveletTransport,
 };
 use glam::Vec2;
 use std::{path::Path, sync::Arc};
@@ -92,7 +95,8 @@ use std::{path::Path, sync::Arc};
 /// Version 7 added the ground; scenes of version 6 have none.
 /// Version 8 added BRDF files, and `ward` became Ward's model of 1992; the former `ward` is now `ward-duer`.
 /// Version 9 added the bases of objects.
-pub const FORMAT_VERSION: u32 = 9;
+/// Version 10 added wavelet transport.
+pub const FORMAT_VERSION: u32 = 10;
 
 /// First version whose `ward` is the model of 1992.
 const WARD_OF_1992: u32 = 8;
@@ -119,6 +123,8 @@ pub struct Dataset {
     pub meshless: Option<Arc<MeshlessBake>>,
     /// The functions of each object, if baked; shared likewise.
     pub object_bases: Option<Arc<ObjectBases>>,
+    /// Wavelet transport, if baked; shared likewise.
+    pub wavelet: Option<Arc<WaveletTransport>>,
     /// Settings of the bake.
     pub settings: BakeSettings,
     /// Hash of the scene as imported, in hexadecimal.
@@ -140,6 +146,7 @@ impl Dataset {
             indirect: self.indirect.clone(),
             meshless: self.meshless.clone(),
             object_bases: self.object_bases.clone(),
+            wavelet: self.wavelet.clone(),
             settings: self.settings.clone(),
             scene_hash: self.scene_hash.clone(),
             report: self.report.clone(),

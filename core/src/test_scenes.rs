@@ -64,6 +64,7 @@ pub fn dataset(materials: &[&str], textures: &[&str]) -> Dataset {
         indirect: None,
         meshless: None,
         object_bases: None,
+        wavelet: None,
         two_sided: vec![false],
         vertex_valid: vec![true; 3],
         tree: LightTree::geometric(64).expect("a power of two"),

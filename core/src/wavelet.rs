@@ -18,7 +18,6 @@ pub mod square;
 use glam::Vec3;
 use operator::{Operator, RadianceBasis};
 use reflecting::ReflectingPatch;
-use series::GlobalTransport;
 
 /// Transport between the patches of a scene: of one bounce and of all.
 #[derive(Clone, Debug)]
@@ -30,13 +29,13 @@ pub struct WaveletTransport {
     /// One bounce, as fine as it was computed.
     pub direct: Operator,
     /// All bounces, compressed.
-    pub global: GlobalTransport,
+    pub global: Operator,
 }
 
 impl WaveletTransport {
     /// Radiance that arrives after one bounce or more, for radiance that arrives from lamps. The last bounce is as fine as it was
     /// computed ("gathered", 4.4).
     pub fn indirect(&self, direct: &[Vec3]) -> Vec<Vec3> {
-        self.direct.apply(&self.global.operator.apply(direct))
+        self.direct.apply(&self.global.apply(direct))
     }
 }

@@ -20,6 +20,7 @@ pub fn control_name(setting: Setting) -> &'static str {
         Setting::SenderLevels => "Sender levels",
         Setting::GatherRays => "Gather rays",
         Setting::Epsilon => "Epsilon",
+        Setting::Compression => "Wavelet threshold",
         Setting::Functions => "Functions",
         Setting::Resume => "Resume",
         Setting::Device

@@ -40,6 +40,7 @@ pub fn baked_triangle() -> Dataset {
         indirect: None,
         meshless: None,
         object_bases: None,
+        wavelet: None,
         settings: Preset::Normal.settings(),
         scene_hash: "abc".into(),
         report: BakeReport {

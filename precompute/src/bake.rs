@@ -52,6 +52,7 @@ use lapidary_core::{
         placed::deformed_hash,
         pose::{Objects, Poses},
     },
+    wavelet::reflecting::ReflectingPatch,
 };
 use std::{
     path::{Path, PathBuf},
@@ -118,7 +119,7 @@ pub fn bake_shard(
     Ok(report)
 }
 
-/// The dataset with fully occluded cuts.
+/// The dataset with fully occluded cuts. Wavelet transport stays: it knows the quads of the scene as imported.
 fn without_cuts(dataset: Dataset) -> Dataset {
     let mut cuts = PackedCuts::default();
     let offset = cuts.push_cut(&[0]);
@@ -142,11 +143,13 @@ pub fn merge(output: &Path, decode: DecodePicture, observer: &dyn Observer) -> R
     let (hash, warnings, audit) = (scene.scene_hash.clone(), scene.report.warnings.clone(), scene.report.audit);
     let settings = resolve(scene.settings.clone())?;
     let content = bake_hash(&hash, &scene.scene, &scene.scene.placed_poses(), scene.scene.clip_time.as_ref());
+    let patches = scene.wavelet.as_ref().map_or_else(Vec::new, |transport| transport.patches.clone());
     let geometry = Geometry::of_dataset(scene);
     let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
     let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of_scene(&content, &settings, points));
     let tree = tree.ok_or_else(|| checkpoint.foreign_scene())?;
-    let begun = Begun { settings, hash, geometry, tree, audit, checkpoint, devices: None, estimated_memory: None };
+    let begun =
+        Begun { settings, hash, geometry, patches, tree, audit, checkpoint, devices: None, estimated_memory: None };
     let (dataset, checkpoint) = begun.dataset(warnings, Clock::new(&remarks, 0.0))?;
     finish(dataset, checkpoint, output, &remarks)
 }
@@ -199,6 +202,8 @@ struct Begun<'a> {
     settings: ResolvedBake,
     hash: String,
     geometry: Geometry,
+    /// The quads of the scene, if wavelet transport is baked.
+    patches: Vec<ReflectingPatch>,
     tree: LightTree,
     /// The audit of its visibility, if already known.
     audit: Option<BakeAudit>,
@@ -230,6 +235,7 @@ impl<'a> Begun<'a> {
         };
         scene.place(&job.poses.all_shown()).map_err(BakeError::Pose)?;
         scene.clip_time.clone_from(&job.clip_time);
+        let patches = if settings.mode.wavelet() { ReflectingPatch::of_scene(&scene)? } else { Vec::new() };
         let vertices = most_vertices(scene.mesh.positions.len(), &settings);
         if settings.ground != Ground::Off {
             add_ground(&mut scene);
@@ -247,17 +253,17 @@ impl<'a> Begun<'a> {
         })?;
         cancelled(observer)?;
         let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, content, resumed, devices, clock)?;
-        Ok(Self { settings, hash, geometry, tree, audit: None, checkpoint, devices, estimated_memory })
+        Ok(Self { settings, hash, geometry, patches, tree, audit: None, checkpoint, devices, estimated_memory })
     }
 
     /// Computes or reads the chunks, and packs them. `warnings` are the earlier ones.
     fn dataset(self, warnings: Vec<String>, mut clock: Clock) -> Result<(Dataset, Checkpoint), BakeError> {
-        let Self { settings, hash, geometry, tree, audit, checkpoint, devices, estimated_memory } = self;
+        let Self { settings, hash, geometry, patches, tree, audit, checkpoint, devices, estimated_memory } = self;
         let observer = clock.observer;
         let kept = checkpoint.series(Series::Environment, Places::of_scene());
         let seen = bake_environment(&geometry, &tree, &settings, audit, devices, &kept, &mut clock)?;
         let tracing = Tracing { lights_per_probe: seen.lights_per_probe(), devices };
-        let bounces = bake_bounces(&geometry, &tree, &settings, tracing, &checkpoint, &mut clock)?;
+        let bounces = bake_bounces(&geometry, &patches, &tree, &settings, tracing, &checkpoint, &mut clock)?;
         observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
         let packing = Instant::now();
         let (factor, sigma) = fit_environment(&seen.cuts, &settings, observer)?;
@@ -277,6 +283,7 @@ impl<'a> Begun<'a> {
             indirect: None,
             meshless: None,
             object_bases: None,
+            wavelet: None,
             settings: settings.into_settings(),
             scene_hash: hash,
             report,

@@ -9,6 +9,7 @@
 //!   from every source to the lights.
 //! * For the meshless basis: place its points, and compute the light transport between its functions.
 //! * For light that is solved anew after a move: place functions on each object.
+//! * For wavelet transport: find the quads, and compute the light transport between them.
 //! * Pack everything.
 //!
 //! It reports through an [`Observer`], can be cancelled at any time, and leaves a checkpoint. It gives the same bits
@@ -53,7 +54,8 @@ pub use sources::{
 pub use trial::{BasisTrial, BounceTrial, SourcesTrial, Trial};
 pub use unshadowed::unshadowed;
 pub use verify::{
-    EnvironmentVerification, MeshlessVerification, ObjectBasesVerification, SourcesVerification, Verification, verify,
+    EnvironmentVerification, MeshlessVerification, ObjectBasesVerification, SourcesVerification, Verification,
+    WaveletVerification, verify,
 };
 pub use vertices::{
     sampler::VertexSampler,

@@ -31,13 +31,15 @@ pub enum Phase {
     Transport,
     /// Placing the functions of each object.
     ObjectBases,
+    /// Wavelet transport between quads.
+    Wavelet,
     /// Packing and writing.
     Pack,
 }
 
 impl Phase {
     /// All phases in order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Import,
         Self::Tessellate,
         Self::Pilot,
@@ -50,6 +52,7 @@ impl Phase {
         Self::Basis,
         Self::Transport,
         Self::ObjectBases,
+        Self::Wavelet,
         Self::Pack,
     ];
 
@@ -68,6 +71,7 @@ impl Phase {
             Self::Basis => "basis",
             Self::Transport => "transport",
             Self::ObjectBases => "object-bases",
+            Self::Wavelet => "wavelet",
             Self::Pack => "pack",
         }
     }

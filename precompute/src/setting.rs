@@ -51,6 +51,8 @@ pub enum Setting {
     ObjectLevels,
     /// The level of the objects' functions that sends light.
     SenderLevel,
+    /// Threshold of compression of wavelet transport.
+    Compression,
     /// Device that traces rays.
     Device,
     /// Whether to resume an interrupted bake.
@@ -84,6 +86,7 @@ impl Setting {
             Self::Functions => "functions",
             Self::ObjectLevels => "object levels",
             Self::SenderLevel => "sender level",
+            Self::Compression => "compression",
             Self::Device => "device",
             Self::Resume => "resume",
         }

@@ -32,6 +32,7 @@ pub fn unshadowed(mut scene: Scene, scene_hash: String, ground: Ground) -> Datas
         indirect: None,
         meshless: None,
         object_bases: None,
+        wavelet: None,
         settings: BakeSettings { lights: LIGHTS, tree, ground, max_vertices: None, ..BakeSettings::default() },
         scene_hash,
         report: BakeReport { vertices, triangles, source_vertices, lights: LIGHTS, tree, ..BakeReport::default() },

@@ -5,11 +5,13 @@ mod environment;
 mod meshless;
 mod object_bases;
 mod sources;
+mod wavelet;
 
 pub use environment::EnvironmentVerification;
 pub use meshless::MeshlessVerification;
 pub use object_bases::ObjectBasesVerification;
 pub use sources::SourcesVerification;
+pub use wavelet::WaveletVerification;
 
 use crate::vertices::{points::BakePoints, sampler::bake_points, visibility::VisibilitySampler};
 use glam::Vec3;
@@ -34,6 +36,9 @@ pub struct Verification {
     /// Results for the bases of objects, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object_bases: Option<ObjectBasesVerification>,
+    /// Results for wavelet transport, if there is any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelet: Option<WaveletVerification>,
     /// Whether anything was recomputed, all cuts and links agree, and cuts are hardly worse than an exhaustive bake's.
     pub passed: bool,
 }
@@ -41,12 +46,16 @@ pub struct Verification {
 impl Verification {
     /// The result in sentences, one per line.
     pub fn text(&self) -> String {
-        let is_of_others = self.sources.source_vertices > 0 || self.meshless.is_some() || self.object_bases.is_some();
+        let is_of_others = self.sources.source_vertices > 0
+            || self.meshless.is_some()
+            || self.object_bases.is_some()
+            || self.wavelet.is_some();
         let has_environment = self.environment.vertices > 0 || !is_of_others;
         let environment = if has_environment { self.environment.text() } else { String::new() };
         let meshless = self.meshless.as_ref().map_or(String::new(), MeshlessVerification::text);
         let object_bases = self.object_bases.as_ref().map_or(String::new(), ObjectBasesVerification::text);
-        environment + &self.sources.text() + &meshless + &object_bases
+        let wavelet = self.wavelet.as_ref().map_or(String::new(), WaveletVerification::text);
+        environment + &self.sources.text() + &meshless + &object_bases + &wavelet
     }
 }
 
@@ -89,15 +98,17 @@ pub fn verify(dataset: &Dataset, count: usize) -> Verification {
     again.vertices = again.random().choose_multiple(0..mesh.positions.len(), count.min(mesh.positions.len()));
     let (environment, sources) = (EnvironmentVerification::of(&again), SourcesVerification::of(&again));
     let meshless = MeshlessVerification::of(&again);
-    let object_bases = ObjectBasesVerification::of(&again);
+    let (object_bases, wavelet) = (ObjectBasesVerification::of(&again), WaveletVerification::of(&again));
     let functions =
         meshless.as_ref().map_or(0, |m| m.functions) + object_bases.as_ref().map_or(0, |o| o.object_functions);
-    let made = environment.vertices + sources.source_vertices + sources.sources + functions;
+    let pairs = wavelet.as_ref().map_or(0, |wavelet| wavelet.pairs);
+    let made = environment.vertices + sources.source_vertices + sources.sources + functions + pairs;
     let agrees = environment.agrees
         && sources.agrees
         && meshless.as_ref().is_none_or(MeshlessVerification::agrees)
-        && object_bases.as_ref().is_none_or(ObjectBasesVerification::agrees);
-    Verification { environment, sources, meshless, object_bases, passed: made > 0 && agrees }
+        && object_bases.as_ref().is_none_or(ObjectBasesVerification::agrees)
+        && wavelet.as_ref().is_none_or(WaveletVerification::agrees);
+    Verification { environment, sources, meshless, object_bases, wavelet, passed: made > 0 && agrees }
 }
 
 #[cfg(test)]

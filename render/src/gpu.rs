@@ -18,6 +18,7 @@ mod posed;
 mod scene;
 mod shadows;
 mod targets;
+mod wavelet;
 
 pub use crate::device::{
     Compute, ForestTimes, GpuForest, GpuImplicit, GpuRays, Room, ShaderSource, SharedDevice, has_hardware,

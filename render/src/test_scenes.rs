@@ -197,6 +197,7 @@ pub(crate) fn dataset_of_sigma(mesh: Mesh, parameters: impl Into<Parameters>, si
         indirect: None,
         meshless: None,
         object_bases: None,
+        wavelet: None,
         two_sided: vec![false; mesh.triangles.len()],
         vertex_valid: vec![true; mesh.positions.len()],
         scene: Scene {

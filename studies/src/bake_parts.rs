@@ -4,6 +4,7 @@ mod environment;
 mod meshless;
 mod object_bases;
 mod sources;
+mod wavelet;
 
 use clap::Args;
 use lapidary_core::dataset::{BakePart, BakeReport, BakeSettings};
@@ -56,6 +57,7 @@ bake_parts! {
     Sources: sources, sources::Sources, sources::SourceOptions;
     Meshless: meshless, meshless::Meshless, meshless::MeshlessOptions;
     ObjectBases: object_bases, object_bases::ObjectBases, object_bases::ObjectBasesOptions;
+    Wavelet: wavelet, wavelet::Wavelet, wavelet::WaveletOptions;
 }
 
 /// All parts in bake order.

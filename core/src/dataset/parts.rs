@@ -49,6 +49,8 @@ bake_parts! {
     Meshless(meshless) = "meshless", "meshless basis";
     /// Functions of each object, for light that is solved anew after a move.
     ObjectBases(object_bases) = "radiosity", "bases of objects";
+    /// Wavelet transport between quads.
+    Wavelet(wavelet) = "wavelet", "wavelet transport";
 }
 
 impl BakePart {
@@ -82,6 +84,8 @@ impl BakeParts {
     pub const MESHLESS: Self = Self::only(BakePart::Meshless);
     /// Functions of each object.
     pub const RADIOSITY: Self = Self::only(BakePart::ObjectBases);
+    /// Wavelet transport between quads.
+    pub const WAVELET: Self = Self::only(BakePart::Wavelet);
     /// Visibility of distant light and the meshless basis, without surface sources.
     pub const ENVIRONMENT_MESHLESS: Self = Self::ENVIRONMENT.with(Self::MESHLESS);
     /// Environment, sources and basis: the meaning of `all` in files, which stays when there are more parts.
@@ -188,13 +192,13 @@ mod tests {
 
     /// All sets.
     fn all() -> impl Iterator<Item = BakeParts> {
-        (1..16).map(|bits| BakeParts { bits })
+        (1..32).map(|bits| BakeParts { bits })
     }
 
     #[test]
     fn sets_have_the_parts_that_they_are_made_of() {
         for (a, b) in all().flat_map(|a| all().map(move |b| (a, b))) {
-            for has in [BakeParts::environment, BakeParts::sources, BakeParts::meshless, BakeParts::object_bases] {
+            for has in BakePart::ALL.iter().map(|&part| move |parts: BakeParts| parts.has(part)) {
                 assert_eq!(has(a.with(b)), has(a) || has(b), "{a} with {b}");
                 assert_eq!(has(a.without(b)), has(a) && !has(b), "{a} without {b}");
             }

@@ -71,6 +71,7 @@ impl Reader<'_> {
             indirect: None,
             meshless: None,
             object_bases: None,
+            wavelet: None,
             settings: header.settings,
             scene_hash: header.scene_hash,
             report: header.report,

@@ -1,6 +1,6 @@
 //! The report of a bake.
 
-use super::{BakeAudit, BakeParts, IndirectReport, MeshlessReport, ObjectBasesReport};
+use super::{BakeAudit, BakeParts, IndirectReport, MeshlessReport, ObjectBasesReport, WaveletReport};
 use crate::light_tree::TreeKind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -56,6 +56,9 @@ pub struct BakeReport {
     /// Report of the bases of objects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub object_bases: Option<ObjectBasesReport>,
+    /// Report of wavelet transport.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelet: Option<WaveletReport>,
     /// Duration and memory. A dataset omits it, so equal bakes are equal files; datasets of earlier versions have it.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub run: Option<BakeRun>,

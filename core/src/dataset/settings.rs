@@ -1,6 +1,6 @@
 //! Settings that determine the result of a bake.
 
-use super::{BakeParts, IndirectSettings, MeshlessSettings, ObjectBasesSettings};
+use super::{BakeParts, IndirectSettings, MeshlessSettings, ObjectBasesSettings, WaveletSettings};
 use crate::{cut::CutCriterion, ground::Ground, light_tree::TreeKind, shot::Shot};
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +48,9 @@ pub struct BakeSettings {
     /// Settings of the bases of objects, if baked.
     #[serde(default)]
     pub object_bases: ObjectBasesSettings,
+    /// Settings of wavelet transport, if baked.
+    #[serde(default)]
+    pub wavelet: WaveletSettings,
 }
 
 impl Default for BakeSettings {
@@ -69,6 +72,7 @@ impl Default for BakeSettings {
             indirect: IndirectSettings::default(),
             meshless: MeshlessSettings::default(),
             object_bases: ObjectBasesSettings::default(),
+            wavelet: WaveletSettings::default(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Dataset, error::Damage, meshless::StoredBasis, object_bases::StoredObjectBases, parts::BakePart, reader::Reader,
-    sources::StoredSources, tensors::Tensor,
+    sources::StoredSources, tensors::Tensor, wavelet::StoredWavelet,
 };
 use crate::{ray::is_number_per_probe, shot::Shot};
 
@@ -38,6 +38,7 @@ pub(super) fn stored(part: BakePart) -> &'static dyn StoredPart {
         BakePart::Sources => &StoredSources,
         BakePart::Meshless => &StoredBasis,
         BakePart::ObjectBases => &StoredObjectBases,
+        BakePart::Wavelet => &StoredWavelet,
     }
 }
 

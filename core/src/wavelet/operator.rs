@@ -35,6 +35,11 @@ pub struct TransportCoefficient {
 pub struct RadianceBasis(Vec<RadianceFunction>);
 
 impl RadianceBasis {
+    /// A basis of these functions; `None` unless they ascend.
+    pub fn from_functions(functions: Vec<RadianceFunction>) -> Option<Self> {
+        functions.is_sorted_by(|a, b| a < b).then_some(Self(functions))
+    }
+
     /// All functions, in the order of their indices.
     pub fn functions(&self) -> &[RadianceFunction] {
         &self.0
@@ -87,6 +92,26 @@ impl Operator {
             Some(*sum)
         }));
         Self { starts, entries: columns.concat() }
+    }
+
+    /// A matrix of stored parts: the first entry of each sender and the end of the last, and all entries. `None` if they are not
+    /// in order.
+    pub fn from_parts(starts: Vec<usize>, entries: Vec<(u32, Vec3)>) -> Option<Self> {
+        let functions = starts.len().checked_sub(1)?;
+        let is_whole = starts[0] == 0 && starts[functions] == entries.len() && starts.is_sorted();
+        let is_one =
+            is_whole && entries.iter().all(|(receiver, value)| (*receiver as usize) < functions && value.is_finite());
+        is_one.then_some(Self { starts, entries })
+    }
+
+    /// First entry of each sender, and the end of the last.
+    pub fn starts(&self) -> &[usize] {
+        &self.starts
+    }
+
+    /// Receiver and value of each coefficient, sender by sender.
+    pub fn entries(&self) -> &[(u32, Vec3)] {
+        &self.entries
     }
 
     /// Number of functions.

@@ -4,7 +4,8 @@ use crate::{
     mesh::Mesh,
     sphere::{concentric, frame_along},
 };
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat2, Mat3, Vec2, Vec3};
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
 
@@ -19,8 +20,10 @@ pub struct Patch {
     pub frame: Mat3,
     /// Area in m².
     pub area: f32,
-    /// Its two triangles.
-    pub triangles: [u32; 2],
+    /// Its material.
+    pub material: u32,
+    /// The object that it is part of.
+    pub object: u32,
 }
 
 /// A triangle without another one that makes a parallelogram of the two.
@@ -44,10 +47,42 @@ impl Patch {
 
     /// The point of the unit square for a point on the plane of the patch.
     pub fn square_of(&self, point: Vec3) -> Vec2 {
+        let [u, v] = self.square_from_offset();
+        Vec2::new(u.dot(point - self.corner), v.dot(point - self.corner))
+    }
+
+    /// Vectors whose dot products with an offset from the corner are its coordinates in the unit square.
+    pub fn square_from_offset(&self) -> [Vec3; 2] {
         let [a, b] = self.edges;
         let normal = a.cross(b);
-        let from_corner = point - self.corner;
-        Vec2::new(from_corner.cross(b).dot(normal), a.cross(from_corner).dot(normal)) / normal.length_squared()
+        [b.cross(normal), normal.cross(a)].map(|along| along / normal.length_squared())
+    }
+
+    /// Whether the middle of a triangle of a mesh lies on it, with the same side.
+    fn holds(&self, mesh: &Mesh, triangle: usize) -> bool {
+        let middle = mesh.corners(triangle).iter().sum::<Vec3>() / 3.0;
+        let square = self.square_of(middle);
+        square.min_element() >= 0.0
+            && square.max_element() <= 1.0
+            && self.point(square).distance(middle) <= TOLERANCE * self.area.sqrt()
+            && mesh.area_vector(triangle).dot(self.normal()) >= 0.0
+    }
+
+    /// The patch after its object was moved, by a triangle on it as it was and as it is.
+    #[must_use]
+    pub fn carried(&self, before: [Vec3; 3], now: [Vec3; 3]) -> Self {
+        let [a, b, c] = before.map(|corner| self.square_of(corner));
+        let weights_from_square = Mat2::from_cols(b - a, c - a).inverse();
+        let carried = |point: Vec3| {
+            let weights = weights_from_square * (self.square_of(point) - a);
+            now[0] + (now[1] - now[0]) * weights.x + (now[2] - now[0]) * weights.y
+        };
+        let corner = carried(self.corner);
+        let edges = self.edges.map(|edge| carried(self.corner + edge) - corner);
+        let across = edges[0].cross(edges[1]);
+        let tangent = carried(self.corner + self.frame.x_axis) - corner;
+        let frame = frame_along(across.normalize_or(self.normal()), tangent, self.frame.determinant());
+        Self { corner, edges, frame, area: across.length(), ..*self }
     }
 
     /// The unit normal.
@@ -82,7 +117,8 @@ impl Patch {
         let tangent = mesh.tangents[mesh.triangles[first as usize][apex] as usize];
         let frame = frame_along(normal, tangent.truncate(), tangent.w);
         let area = edges[0].cross(edges[1]).length();
-        (is_one && is_alike).then_some(Self { corner, edges, frame, area, triangles: [first, second] })
+        let [material, object] = [&mesh.triangle_material, &mesh.triangle_object].map(|of| of[first as usize]);
+        (is_one && is_alike).then_some(Self { corner, edges, frame, area, material, object })
     }
 }
 
@@ -106,13 +142,24 @@ pub fn patches(mesh: &Mesh) -> Result<Vec<Patch>, NotAQuad> {
         let mut found = candidates.filter(is_free).flat_map(|other| {
             longest_edge_first(corners)
                 .into_iter()
-                .filter_map(move |apex| Patch::of_halves(mesh, [triangle, other], apex))
+                .filter_map(move |apex| Some((other, Patch::of_halves(mesh, [triangle, other], apex)?)))
         });
-        let patch = found.next().ok_or(NotAQuad { triangle })?;
-        patch.triangles.iter().for_each(|&half| is_taken[half as usize] = true);
+        let (other, patch) = found.next().ok_or(NotAQuad { triangle })?;
+        [triangle, other].into_iter().for_each(|half| is_taken[half as usize] = true);
         patches.push(patch);
     }
     Ok(patches)
+}
+
+/// The patch of each triangle of a mesh, which may be split further than the mesh of the patches; `None` on none.
+pub fn patch_of_triangles(mesh: &Mesh, patches: &[Patch]) -> Vec<Option<u32>> {
+    let mut of_objects = FxHashMap::<u32, Vec<u32>>::default();
+    (0..).zip(patches).for_each(|(index, patch)| of_objects.entry(patch.object).or_default().push(index));
+    let find = |triangle: usize| {
+        let of_object = of_objects.get(&mesh.triangle_object[triangle])?;
+        of_object.iter().copied().find(|&index| patches[index as usize].holds(mesh, triangle))
+    };
+    (0..mesh.triangles.len()).into_par_iter().map(find).collect()
 }
 
 /// Corners of a triangle, those opposite to long edges first: a quad is most often split along its longer diagonal.
@@ -141,6 +188,7 @@ fn bits(position: Vec3) -> [u32; 3] {
 mod tests {
     use super::*;
     use crate::test_scenes::{cuboid, floor, room, scene_of};
+    use glam::{Affine3A, Quat};
 
     #[test]
     fn rooms_and_boxes_are_quads() {
@@ -150,11 +198,42 @@ mod tests {
         let area: f32 = found.iter().map(|patch| patch.area).sum();
         assert!((area - (24.0 + 6.0 * 0.36)).abs() < 1e-4, "{area}");
         for patch in &found {
-            assert!(patch.normal().dot(scene.mesh.area_vector(patch.triangles[1] as usize)) > 0.0);
             let square = Vec2::new(0.2, 0.7);
             assert!(patch.square_of(patch.point(square)).distance(square) < 1e-5);
             assert!(patch.square_of_direction(patch.direction(square)).distance(square) < 1e-4);
         }
+    }
+
+    #[test]
+    fn triangles_of_a_finer_mesh_are_on_the_patch_that_they_were_split_from() {
+        let scene = scene_of(&[room(Vec3::ZERO, Vec3::ONE), cuboid(Vec3::ZERO, Vec3::splat(0.3))].concat());
+        let found = patches(&scene.mesh).unwrap();
+        let of = patch_of_triangles(&scene.mesh, &found);
+        assert!((0..12).all(|patch| of.iter().filter(|&&of| of == Some(patch)).count() == 2), "{of:?}");
+        let quarter = |[a, b, c]: [Vec3; 3]| [a, a.midpoint(b), a.midpoint(c)];
+        let corners: Vec<_> = (0..of.len()).map(|triangle| quarter(scene.mesh.corners(triangle))).collect();
+        assert_eq!(patch_of_triangles(&scene_of(&corners).mesh, &found), of);
+        let turned: Vec<_> = corners.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
+        assert!(patch_of_triangles(&scene_of(&turned).mesh, &found).iter().all(Option::is_none), "negative control");
+    }
+
+    #[test]
+    fn a_patch_goes_with_a_triangle_on_it() {
+        let patch = patches(&scene_of(&floor(1.0, 0.0)).mesh).unwrap()[0];
+        let moved = Affine3A::from_scale_rotation_translation(
+            Vec3::splat(2.0),
+            Quat::from_rotation_x(0.4),
+            Vec3::new(1.0, 2.0, 3.0),
+        );
+        let triangle = [Vec2::ZERO, Vec2::new(0.5, 0.1), Vec2::new(0.2, 0.6)].map(|square| patch.point(square));
+        let carried = patch.carried(triangle, triangle.map(|corner| moved.transform_point3(corner)));
+        for square in [Vec2::ZERO, Vec2::X, Vec2::new(0.3, 0.9)] {
+            assert!(carried.point(square).abs_diff_eq(moved.transform_point3(patch.point(square)), 1e-5));
+            let direction = moved.transform_vector3(patch.direction(square)) / 2.0;
+            assert!(carried.direction(square).abs_diff_eq(direction, 1e-5));
+        }
+        assert!((carried.area - 4.0 * patch.area).abs() < 1e-4);
+        assert_eq!(patch.carried(triangle, triangle).corner, patch.corner);
     }
 
     #[test]

@@ -54,6 +54,21 @@ impl PatchTexture {
         Self { side, cells, radiance }
     }
 
+    /// Texels along an edge.
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
+    /// Cells of directions of each texel, in the frame of the patch.
+    pub fn cells(&self) -> HemisphereCells {
+        self.cells
+    }
+
+    /// Mean radiance in each cell, texel by texel, row by row.
+    pub fn radiance(&self) -> &[Vec3] {
+        &self.radiance
+    }
+
     /// Radiance by cells at a point of the unit square, interpolated between the texels around it.
     pub fn at(&self, square: Vec2) -> Vec<Vec3> {
         let place = square * self.side as f32 - 0.5;

@@ -5,7 +5,11 @@ use super::{
     square::Node,
 };
 use crate::{
-    brdf::SurfaceBrdf, material::ResolvedMaterial, scene::Scene, simd::Vec3x8, sphere::concentric::HemisphereCells,
+    brdf::SurfaceBrdf,
+    material::{Material, ResolvedMaterial},
+    scene::Scene,
+    simd::Vec3x8,
+    sphere::concentric::HemisphereCells,
 };
 use glam::{Vec2, Vec3, Vec4};
 use wide::f32x8;
@@ -23,14 +27,16 @@ pub struct ReflectingPatch {
 /// Largest relative error of a BRDF that is taken as constant in cells of directions, as root mean square. So 8 x 8 cells hold lobes from
 /// a GGX alpha of 0.2 on (0.42). With 0.25, alpha 0.3 had 16 x 16, and one bounce of a glossy room took minutes.
 const CELL_ERROR: f32 = 0.45;
-/// Most cells along an edge of the square of directions.
-const FINEST: usize = 16;
+const FINEST: usize = ReflectingPatch::MOST_CELLS_ALONG;
 /// Cosines of the directions toward the eye at which a BRDF is examined.
 const EXAMINED: [f32; 3] = [0.95, 0.7, 0.45];
 /// Smallest cosine of an incident direction, against a division by zero at the horizon.
 const LEAST_COSINE: f32 = 1e-4;
 
 impl ReflectingPatch {
+    /// Most cells along an edge of the square of directions.
+    pub const MOST_CELLS_ALONG: usize = 16;
+
     /// A patch with a BRDF in its frame.
     pub fn new(patch: Patch, brdf: SurfaceBrdf) -> Self {
         let cells = resolving(&brdf);
@@ -42,12 +48,14 @@ impl ReflectingPatch {
     /// # Errors
     /// A triangle that is no half of a quad.
     pub fn of_scene(scene: &Scene) -> Result<Vec<Self>, NotAQuad> {
-        let brdfs: Vec<SurfaceBrdf> = ResolvedMaterial::all(&scene.materials)
-            .iter()
-            .map(|material| material.at(Vec3::ONE, |_| Vec4::ONE).brdf)
-            .collect();
-        let brdf = |patch: &Patch| brdfs[scene.mesh.triangle_material[patch.triangles[0] as usize] as usize].clone();
-        Ok(patches(&scene.mesh)?.into_iter().map(|patch| Self::new(patch, brdf(&patch))).collect())
+        Ok(Self::all(patches(&scene.mesh)?, &scene.materials))
+    }
+
+    /// Patches with their materials.
+    pub fn all(patches: Vec<Patch>, materials: &[Material]) -> Vec<Self> {
+        let brdf = |material: &ResolvedMaterial| material.at(Vec3::ONE, |_| Vec4::ONE).brdf;
+        let brdfs: Vec<SurfaceBrdf> = ResolvedMaterial::all(materials).iter().map(brdf).collect();
+        patches.into_iter().map(|patch| Self::new(patch, brdfs[patch.material as usize].clone())).collect()
     }
 
     /// Mean BRDF over each cell of incident directions, toward a direction in the world. `place` tells where in each cell it is

@@ -95,6 +95,17 @@ impl Function {
     /// The function that is one everywhere.
     pub const CONSTANT: Self = Node::ROOT.smooth();
 
+    /// Its number in a file: the path of the support, then two bits.
+    pub const fn to_bits(self) -> u32 {
+        self.0
+    }
+
+    /// The function of a number; `None` if there is none.
+    pub const fn from_bits(bits: u32) -> Option<Self> {
+        let is_path = bits >= 4 && (bits / 4).ilog2().is_multiple_of(2);
+        if is_path && Self(bits).support().level() <= Node::DEEPEST { Some(Self(bits)) } else { None }
+    }
+
     /// The node on which it is not zero.
     pub const fn support(self) -> Node {
         Node(self.0 / 4)

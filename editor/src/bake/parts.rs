@@ -4,6 +4,7 @@ mod environment;
 mod meshless;
 mod object_bases;
 mod sources;
+mod wavelet;
 
 use super::panel::{Speed, mode::name as mode_name};
 use crate::{
@@ -63,6 +64,7 @@ pub fn of(part: BakePart) -> &'static dyn PartOfPanel {
         BakePart::Sources => &sources::Sources,
         BakePart::Meshless => &meshless::Meshless,
         BakePart::ObjectBases => &object_bases::ObjectBases,
+        BakePart::Wavelet => &wavelet::Wavelet,
     }
 }
 
@@ -95,6 +97,7 @@ pub fn described(settings: &BakeSettings) -> Vec<Row> {
         indirect: _,
         meshless: _,
         object_bases: _,
+        wavelet: _,
     } = settings;
     let mut rows = of(BakePart::Environment).described(settings);
     rows.extend([

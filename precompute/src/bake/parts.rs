@@ -4,6 +4,7 @@ mod environment;
 mod meshless;
 mod object_bases;
 mod sources;
+mod wavelet;
 
 use super::{clock::Clock, phases::bounces::Bouncing};
 use crate::{
@@ -58,6 +59,7 @@ pub fn part(part: BakePart) -> &'static dyn PartBake {
         BakePart::Sources => &sources::SourcesBake,
         BakePart::Meshless => &meshless::BasisBake,
         BakePart::ObjectBases => &object_bases::ObjectBasesBake,
+        BakePart::Wavelet => &wavelet::WaveletBake,
     }
 }
 

@@ -23,12 +23,13 @@ use crate::{
     observer::{Observer, Phase},
     sources::{areas::sample_areas, placement::AREAS_SEED, sampler::SourceSampler},
     vertices::{points::BakePoint, sampler::bake_points, sidedness::classify},
+    wavelet::wavelet_transport,
 };
 use change::Change;
 use glam::Vec3;
 use lapidary_core::{
     cut::packed::PackedCuts,
-    dataset::{BakeRun, Dataset, MeshlessReport},
+    dataset::{BakeRun, Dataset, MeshlessReport, WaveletReport},
     lock::OutputLock,
     memory,
     mesh::Mesh,
@@ -39,6 +40,11 @@ use lapidary_core::{
     scene::{Scene, pose::check_objects},
     sources::{IndirectBake, Source},
     surfel::{Surface, Surfel},
+    wavelet::{
+        WaveletTransport,
+        patch::{Patch, patch_of_triangles},
+        reflecting::ReflectingPatch,
+    },
 };
 use renewed::{OldCuts, RenewedEnvironment, RenewedSources};
 use std::{borrow::Cow, path::Path};
@@ -89,6 +95,7 @@ fn update_where(
     let object_bases =
         before.object_bases.as_deref().map(|bases| updating.object_bases(bases, observer)).transpose()?;
     let meshless = updating.meshless(&mut clock)?;
+    let wavelet = updating.wavelet(&mut clock)?;
     let (points, vertex_valid) = (geometry.bake_points(), geometry.vertex_valid());
     let buried_points = geometry.buried.iter().filter(|&&buried| buried).count();
     let two_sided = geometry.sides.two_sided;
@@ -116,6 +123,9 @@ fn update_where(
     if let Some((bake, of_basis)) = meshless {
         (updated.meshless, report.meshless) = (Some(bake.into()), Some(of_basis));
     }
+    if let Some((transport, of_transport)) = wavelet {
+        (updated.wavelet, report.wavelet) = (Some(transport.into()), Some(of_transport));
+    }
     updated.report.bytes_total = updated.tensor_bytes();
     let peak_memory_bytes = memory::peak();
     updated.report.run = Some(BakeRun { seconds: clock.finish(), peak_memory_bytes, ..BakeRun::default() });
@@ -133,6 +143,7 @@ fn without_parts(before: &Dataset, scene: Scene) -> Dataset {
         indirect: None,
         meshless: None,
         object_bases: None,
+        wavelet: None,
         settings: before.settings.clone(),
         scene_hash: before.scene_hash.clone(),
         report: before.report.clone(),
@@ -299,6 +310,36 @@ impl Updating<'_> {
         clock.time(Phase::Transport, settings.expected_functions(), "functions", || {
             meshless_bake(&self.surface(), report.viewpoint.into(), settings, observer).map(Some)
         })
+    }
+
+    /// Wavelet transport between the quads where they are now: it is computed anew.
+    fn wavelet(&self, clock: &mut Clock) -> Result<Option<(WaveletTransport, WaveletReport)>, BakeError> {
+        let Some(transport) = &self.before.wavelet else { return Ok(None) };
+        let Geometry { scene, intersector, .. } = self.geometry;
+        let patches = ReflectingPatch::all(self.carried_patches(&transport.patches), &scene.materials);
+        let (pairs, settings) = ((patches.len() * patches.len()) as u64, &self.before.settings.wavelet);
+        let observer = clock.observer;
+        clock.time(Phase::Wavelet, pairs, "pairs of quads", || {
+            wavelet_transport(scene, patches, intersector, settings, observer).map(Some)
+        })
+    }
+
+    /// The quads after the edit, each by the largest triangle on it.
+    fn carried_patches(&self, patches: &[ReflectingPatch]) -> Vec<Patch> {
+        let [before, now] = &self.shown_meshes();
+        let quads: Vec<Patch> = patches.iter().map(|reflecting| reflecting.patch).collect();
+        let mut largest = vec![None::<(f32, usize)>; quads.len()];
+        for (triangle, patch) in patch_of_triangles(before, &quads).into_iter().enumerate() {
+            let Some(known) = patch.map(|patch| &mut largest[patch as usize]) else { continue };
+            let area = before.area_vector(triangle).length();
+            if known.is_none_or(|(most, _)| area > most) {
+                *known = Some((area, triangle));
+            }
+        }
+        let carried = |(patch, largest): (Patch, Option<(f32, usize)>)| {
+            largest.map_or(patch, |(_, on)| patch.carried(before.corners(on), now.corners(on)))
+        };
+        quads.into_iter().zip(largest).map(carried).collect()
     }
 
     fn surface(&self) -> MeshSurface<'_> {

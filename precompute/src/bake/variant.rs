@@ -57,6 +57,7 @@ impl Geometry {
             indirect: None,
             meshless: None,
             object_bases: None,
+            wavelet: None,
             settings: settings.into_settings(),
             scene_hash: String::new(),
             report,

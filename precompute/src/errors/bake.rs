@@ -8,6 +8,7 @@ use crate::{
 };
 use lapidary_core::{
     dataset::DatasetError, lock::LockError, meshless::BasisError, output::OutputError, scene::MeshError,
+    wavelet::patch::NotAQuad,
 };
 use std::fmt;
 use thiserror::Error;
@@ -23,6 +24,8 @@ pub enum BakeError {
     Basis(#[from] BasisError),
     /// Objects are posed out of range.
     Pose(#[source] MeshError),
+    /// Wavelet transport of a scene that does not consist of quads.
+    Quads(#[from] NotAQuad),
     /// Settings out of range.
     Settings(#[from] SettingsError),
     /// Another bake writes the same output, or it cannot be written.
@@ -81,6 +84,7 @@ impl BakeError {
             Self::Points(error) => error.text(name),
             Self::Basis(error) => format!("the points on the surfaces form no meshless basis: {error}"),
             Self::Pose(error) => format!("the objects cannot be posed this way: {error}"),
+            Self::Quads(error) => format!("{error}; leave wavelet transport out with {}", name(Setting::Mode)),
             Self::Settings(error) => error.text(name),
             Self::Lock(error) => error.to_string(),
             Self::Checkpoint(error) => error.text(name),

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     errors::{BakeError, cancelled},
-    observer::Observer,
+    observer::{Event, Observer},
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
@@ -27,7 +27,11 @@ use lapidary_core::{
     },
 };
 use rayon::prelude::*;
-use std::{collections::BTreeMap, f32::consts::PI};
+use std::{
+    collections::BTreeMap,
+    f32::consts::PI,
+    sync::atomic::{AtomicU64, Ordering},
+};
 
 /// Thresholds of direct transport.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,38 +68,56 @@ impl Default for TransportSettings {
 /// sender's places; with the coefficient between their smooth functions. For each function of the sender's directions.
 type Blocks = BTreeMap<Function, Vec<([Node; 3], Vec3)>>;
 
-/// The matrix of one bounce between patches, and its functions.
+/// The matrix of one bounce between the patches that are shown, and its functions.
 ///
 /// # Errors
 /// [`BakeError::Cancelled`].
 pub fn direct_transport(
     patches: &[ReflectingPatch],
+    is_shown: &(impl Fn(&Patch) -> bool + Sync),
     rays: &Intersector,
     offset: f32,
     settings: &TransportSettings,
     observer: &dyn Observer,
 ) -> Result<(RadianceBasis, Operator), BakeError> {
-    let pairs = patches.len() * patches.len();
+    let (pairs, made) = (patches.len() * patches.len(), AtomicU64::new(0));
     let of_pair = |index: usize| {
         cancelled(observer)?;
-        let [receiver, sender] = [index / patches.len(), index % patches.len()];
-        let pair = Pair { receiver: &patches[receiver], sender: &patches[sender], rays, offset, seed: index as u32 };
-        let refining = Refining { pair, settings };
-        let mut blocks = Blocks::new();
-        refining.refine([Node::ROOT; 2], &mut blocks);
-        let coefficients = blocks.into_iter().flat_map(|(from_angle, blocks)| {
-            transform_products(&blocks).into_iter().map(move |([space, angle, from_space], value)| {
-                TransportCoefficient {
-                    receiver: RadianceFunction { patch: receiver as u32, space, angle },
-                    sender: RadianceFunction { patch: sender as u32, space: from_space, angle: from_angle },
-                    value,
-                }
-            })
-        });
-        Ok(coefficients.filter(|term| settings.keeps(term.value)).collect::<Vec<_>>())
+        let ends = [index / patches.len(), index % patches.len()];
+        let takes_part = ends.iter().all(|&end| is_shown(&patches[end].patch));
+        let coefficients = match takes_part {
+            true => direct_transport_between(patches, index, rays, offset, settings),
+            false => Vec::new(),
+        };
+        observer.event(Event::Advanced { done: made.fetch_add(1, Ordering::Relaxed) + 1 });
+        Ok(coefficients)
     };
     let of_pairs: Vec<Vec<_>> = (0..pairs).into_par_iter().map(of_pair).collect::<Result<_, BakeError>>()?;
     Ok(Operator::of(of_pairs.concat()))
+}
+
+/// Transport of one bounce between two patches. The index of a pair is that of the receiver times the number of patches, plus that of
+/// the sender.
+pub(crate) fn direct_transport_between(
+    patches: &[ReflectingPatch],
+    index: usize,
+    rays: &Intersector,
+    offset: f32,
+    settings: &TransportSettings,
+) -> Vec<TransportCoefficient> {
+    let [receiver, sender] = [index / patches.len(), index % patches.len()];
+    let pair = Pair { receiver: &patches[receiver], sender: &patches[sender], rays, offset, seed: index as u32 };
+    let refining = Refining { pair, settings };
+    let mut blocks = Blocks::new();
+    refining.refine([Node::ROOT; 2], &mut blocks);
+    let coefficients = blocks.into_iter().flat_map(|(from_angle, blocks)| {
+        transform_products(&blocks).into_iter().map(move |([space, angle, from_space], value)| TransportCoefficient {
+            receiver: RadianceFunction { patch: receiver as u32, space, angle },
+            sender: RadianceFunction { patch: sender as u32, space: from_space, angle: from_angle },
+            value,
+        })
+    });
+    coefficients.filter(|term| settings.keeps(term.value)).collect()
 }
 
 /// The refinement of a pair of patches.

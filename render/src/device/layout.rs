@@ -368,6 +368,20 @@ pub struct BasisFunction {
     pub normal: [f32; 4],
 }
 
+/// `Quad` of `wavelet_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Quad {
+    pub corner: [f32; 3],
+    pub first: u32,
+    pub square_u: [f32; 3],
+    pub side: u32,
+    pub square_v: [f32; 3],
+    pub cells: u32,
+    /// Tangent, bitangent and normal, each padded to 16 bytes.
+    pub frame: [[f32; 4]; 3],
+}
+
 /// `LevelUniforms` of `radiosity_level.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

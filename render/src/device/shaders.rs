@@ -25,6 +25,7 @@ parts!(
     "camera",
     "coefficient",
     "color",
+    "concentric",
     "cut",
     "direct_lights",
     "direct_pass",
@@ -91,6 +92,7 @@ parts!(
     "traverse",
     "tree",
     "visibility_pass",
+    "wavelet_pass",
     "wireframe",
 );
 

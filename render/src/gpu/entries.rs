@@ -2,8 +2,8 @@
 
 use super::{
     groups::{
-        Added, Basis, Display, Frame, Kept, Lattice, Light, LocalLights, Marks, Past, Patches, Scene, Seen, Shading,
-        ShadowViews, Surfaces,
+        Added, Basis, Display, Frame, Kept, Lattice, Light, LocalLights, Marks, Past, Patches, QuadLight, Scene, Seen,
+        Shading, ShadowViews, Surfaces,
     },
     targets::format,
 };
@@ -127,7 +127,7 @@ pub const SHADOW: Entry = Entry {
 pub const DIRECT: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, LocalLights::LAYOUT, Shading::LAYOUT],
     targets: &format::SUMS,
-    ..Entry::new("direct_pass", [SHADING, &["shadow", "shadow_filter", "direct_lights", "direct_pass"]])
+    ..Entry::new("direct_pass", [SHADING, &["shadow", "shadow_filter", "concentric", "direct_lights", "direct_pass"]])
 };
 
 /// Bounced light of meshless functions, and that of vertices. Twin of `MeshlessLight::at` in render/src/light/bounce/meshless/functions.rs.
@@ -135,6 +135,13 @@ pub const MESHLESS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Basis::LAYOUT, Shading::LAYOUT],
     targets: &format::SUMS,
     ..Entry::new("meshless_pass", [SHADING, &["color", "posed", "coefficient", "meshless_pass"]])
+};
+
+/// Bounced light of wavelet transport. Twin of `PatchLight::reflected` in render/src/light/bounce/wavelet.rs.
+pub const WAVELET: Entry = Entry {
+    groups: &[Frame::LAYOUT, Scene::LAYOUT, QuadLight::LAYOUT, Shading::LAYOUT],
+    targets: &format::SUMS,
+    ..Entry::new("wavelet_pass", [SHADING, &["posed", "concentric", "wavelet_pass"]])
 };
 
 /// What an edit leaves of the pixels. Twin of `Picture::forget` in render/src/cpu/picture.rs.
@@ -175,5 +182,7 @@ pub const DISPLAY: Entry = Entry {
 
 /// All of them.
 #[cfg(test)]
-pub const ALL: [Entry; 13] =
-    [VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, SHADOW, DIRECT, MESHLESS, KEEP, SKETCH, HISTORY, PREDICT, DISPLAY];
+pub const ALL: [Entry; 14] = [
+    VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, SHADOW, DIRECT, MESHLESS, WAVELET, KEEP, SKETCH, HISTORY, PREDICT,
+    DISPLAY,
+];

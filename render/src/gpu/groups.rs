@@ -53,6 +53,9 @@ bind_groups! {
     /// Meshless functions, with the grid that finds them, the coefficients of a solution, and where vertices were as baked.
     Basis { basis: Uniform, slots: Storage, entries: Storage, functions: Storage, coefficients: Storage, places: Float }
 
+    /// Quads, the quad of each triangle, and the radiance that arrives at them.
+    QuadLight { quads: Storage, quad_of_triangles: Storage, radiance: Storage }
+
     /// The patch of each vertex.
     Patches { patches: Storage }
 

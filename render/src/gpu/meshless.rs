@@ -114,7 +114,7 @@ fn coefficients(gpu: &GpuDevice, coefficients: &[Mat3A]) -> Result<wgpu::Buffer,
 }
 
 /// A buffer that holds at least one element, because it cannot be empty.
-fn within_limits<T: NoUninit + Zeroable>(
+pub(super) fn within_limits<T: NoUninit + Zeroable>(
     gpu: &GpuDevice,
     what: &'static str,
     contents: &[T],

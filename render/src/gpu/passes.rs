@@ -3,7 +3,7 @@
 use super::{
     entries::{
         DIRECT, DISPLAY, Entry, HISTORY, KEEP, MARKS, MERGE, MESHLESS, PARAMETERS, PREDICT, SHADOW, SKETCH, SURFACE,
-        VISIBILITY,
+        VISIBILITY, WAVELET,
     },
     lit::LitKernels,
     pipeline::{Compiled, Pass},
@@ -45,6 +45,7 @@ pub struct Passes {
     pub shadow: Pass,
     pub direct: Pass,
     pub meshless: Pass,
+    pub wavelet: Pass,
     pub keep: Pass,
     /// For the first part of the light and the others.
     pub sketch: [Pass; 2],
@@ -86,6 +87,7 @@ impl Passes {
             shadow: pass(&SHADOW, &has_veils)?,
             direct: pass(&DIRECT, &[])?,
             meshless: pass(&MESHLESS, &[])?,
+            wavelet: pass(&WAVELET, &[])?,
             keep: pass(&KEEP, &[])?,
             sketch: [1.0, 0.0].map(|is_first| sketch.variant(gpu, &[is_first])),
             history: pass(&HISTORY, &[])?,

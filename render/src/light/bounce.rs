@@ -9,6 +9,7 @@ mod lit_points;
 pub(crate) mod meshless;
 mod radiosity;
 mod source_parts;
+mod wavelet;
 
 use crate::{
     baked::Baked,
@@ -29,6 +30,7 @@ pub use meshless::{
     functions::{MeshlessLight, VerticesAsBaked},
 };
 pub use radiosity::{RadiosityRays, RadiosityRig};
+pub use wavelet::{PatchLight, WaveletRig};
 
 /// Samples of an area light along each of its sides, at each part of a source.
 const AREA_SAMPLES: u32 = 2;

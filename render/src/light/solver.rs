@@ -15,9 +15,10 @@ mod meshless;
 mod radiosity;
 pub(crate) mod rigs;
 pub(crate) mod solutions;
+mod wavelet;
 
 use super::{
-    bounce::{MeshlessLight, SourceLighting},
+    bounce::{MeshlessLight, PatchLight, SourceLighting},
     implicit::Sides,
     situation::{Changes, Situation},
 };
@@ -34,6 +35,8 @@ pub enum BounceLight {
     Sources(Arc<SourceLighting>),
     /// Meshless functions.
     Functions(Arc<MeshlessLight>),
+    /// Radiance by directions on quads.
+    Patches(Arc<PatchLight>),
 }
 
 impl BounceLight {
@@ -43,6 +46,7 @@ impl BounceLight {
             (Self::Vertices(a), Self::Vertices(b)) => Arc::ptr_eq(a, b),
             (Self::Sources(a), Self::Sources(b)) => Arc::ptr_eq(a, b),
             (Self::Functions(a), Self::Functions(b)) => Arc::ptr_eq(a, b),
+            (Self::Patches(a), Self::Patches(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::{
     light::{
-        bounce::{MeshlessLight, meshless::functions::level_color},
+        bounce::{MeshlessLight, PatchLight, meshless::functions::level_color},
         environment::SceneLighting,
         implicit::{PosedLight, Sides},
         solver::BounceLight,
@@ -70,6 +70,7 @@ enum Bounce<'a> {
     Vertices(&'a Sides),
     Sources(Shader<'a, SourceField<'a>>),
     Functions(&'a MeshlessLight),
+    Patches(&'a PatchLight),
 }
 
 impl<'a> Bounce<'a> {
@@ -82,13 +83,15 @@ impl<'a> Bounce<'a> {
                 Self::Sources(Shader::new(SourceField::new(lighting), cuts, sampling))
             }
             BounceLight::Functions(light) => Self::Functions(light),
+            BounceLight::Patches(light) => Self::Patches(light),
         })
     }
 
-    /// Radiance toward the eye. All kinds but cuts treat the surface as diffuse with the same albedo.
+    /// Radiance toward the eye. Vertices and functions treat the surface as diffuse with the same albedo.
     fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
         let received = match self {
             Self::Sources(shader) => return shader.shade(point),
+            Self::Patches(light) => return light.reflected(point),
             Self::Vertices(sides) => sides.at(point.vertices, point.weights, point.from_behind),
             Self::Functions(light) => {
                 let vector = place(light, point).map(|place| light.at(&place, point.from_behind));

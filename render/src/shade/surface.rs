@@ -22,6 +22,8 @@ use wide::f32x8;
 pub struct SurfacePoint {
     /// Index of the material.
     pub material: u32,
+    /// Index of the triangle.
+    pub triangle: u32,
     /// Vertices of the triangle.
     pub vertices: [u32; 3],
     /// Positions of the vertices.
@@ -372,6 +374,7 @@ impl<'a> Surfaces<'a> {
         let PlaceLook { world_from_local, wo, slopes, material: look } = place.under(self.appearance, material, wo);
         SurfacePoint {
             material: material_index,
+            triangle: hit.triangle,
             vertices,
             corners: [p0, p1, p2],
             barycentric: b,

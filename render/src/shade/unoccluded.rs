@@ -44,6 +44,7 @@ impl<'a> UnoccludedShader<'a> {
             place.under(&self.appearance, self.appearance.material(material as u32), wo);
         let reflected = self.shader.shade(&SurfacePoint {
             material: material as u32,
+            triangle: 0,
             vertices: [0; 3],
             corners: [place.position; 3],
             barycentric: Vec3::X,

@@ -29,6 +29,7 @@ pub fn option_name(setting: Setting) -> &'static str {
         Setting::Functions => "--functions",
         Setting::ObjectLevels => "--object-levels",
         Setting::SenderLevel => "--sender-level",
+        Setting::Compression => "--tau",
         Setting::Device => "--device",
         Setting::Resume => "--resume",
     }

@@ -9,7 +9,7 @@ use egui::{RichText, Ui};
 use lapidary_core::dataset::{BakePart, BakeParts, BakeSettings};
 
 /// Bake types with name and effect. The list offers the first [`LISTED`].
-const TYPES: [(BakeParts, &str, &str); 9] = [
+const TYPES: [(BakeParts, &str, &str); 10] = [
     (BakeParts::ENVIRONMENT, "Environment", "Environment light without bounces. For objects lit from outside."),
     (
         BakeParts::INDIRECT,
@@ -37,6 +37,11 @@ const TYPES: [(BakeParts, &str, &str); 9] = [
         "Environment light, and many soft bounces that are solved anew when an object was moved.",
     ),
     (
+        BakeParts::WAVELET,
+        "Glossy bounces between quads",
+        "Many bounces of the local lights, also from gloss to gloss, in a scene of quads alone. No environment light.",
+    ),
+    (
         BakeParts::RADIOSITY,
         "Moving objects only",
         "Many soft bounces of the local lights, solved anew when an object was moved. No environment light.",
@@ -53,7 +58,7 @@ const TYPES: [(BakeParts, &str, &str); 9] = [
     ),
 ];
 /// Types in the list.
-const LISTED: usize = 6;
+const LISTED: usize = 7;
 
 /// The list of bake types, and the effect and cost of the chosen one.
 pub fn show(ui: &mut Ui, bake: &BakeSettings, speed: &Speed, actions: &mut Vec<Action>) {

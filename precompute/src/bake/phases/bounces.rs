@@ -15,7 +15,10 @@ use crate::{
     warning::Warning,
 };
 use glam::Vec3;
-use lapidary_core::{camera::Camera, light_tree::LightTree, mesh_surface::MeshSurface, scene::Scene, surfel::Surfel};
+use lapidary_core::{
+    camera::Camera, light_tree::LightTree, mesh_surface::MeshSurface, scene::Scene, surfel::Surfel,
+    wavelet::reflecting::ReflectingPatch,
+};
 
 /// Largest share of directions around a viewpoint that may miss the scene without a warning: in a court without a roof a third do.
 const MOST_OPEN: f32 = 0.4;
@@ -27,6 +30,8 @@ const MOST_REFLECTANCE: f32 = 0.95;
 /// Inputs of the parts that bounce light.
 pub struct Bouncing<'a> {
     pub geometry: &'a Geometry,
+    /// The quads of the scene, if wavelet transport is baked.
+    pub patches: &'a [ReflectingPatch],
     pub surface: &'a MeshSurface<'a>,
     /// See [`find_viewpoint`].
     pub viewpoint: Vec3,
@@ -39,6 +44,7 @@ pub struct Bouncing<'a> {
 /// Bakes the parts beyond the environment.
 pub fn bake_bounces(
     geometry: &Geometry,
+    patches: &[ReflectingPatch],
     tree: &LightTree,
     settings: &ResolvedBake,
     tracing: Tracing,
@@ -52,7 +58,7 @@ pub fn bake_bounces(
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
     let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
-    let bouncing = Bouncing { geometry, surface: &surface, viewpoint, tree, settings, tracing, checkpoint };
+    let bouncing = Bouncing { geometry, patches, surface: &surface, viewpoint, tree, settings, tracing, checkpoint };
     parts::of(settings.mode).map(|part| part.bake(&bouncing, clock)).collect()
 }
 

@@ -39,7 +39,7 @@ impl Transported {
         let reflecting: Vec<_> =
             patches.iter().zip(brdfs).map(|(patch, brdf)| ReflectingPatch::new(*patch, brdf)).collect();
         let offset = 1e-5 * mesh.bounds().diagonal();
-        let (basis, operator) = direct_transport(&reflecting, rays, offset, settings, &Silent).unwrap();
+        let (basis, operator) = direct_transport(&reflecting, &|_| true, rays, offset, settings, &Silent).unwrap();
         Self { patches, reflecting, basis, operator }
     }
 

@@ -3,9 +3,12 @@
 use crate::{
     device::GpuDevice,
     error::BackendError,
-    gpu::{light::GpuSources, lit::LitKernels, meshless::GpuMeshless, scene::GpuScene},
+    gpu::{
+        light::GpuSources, lit::LitKernels, meshless::GpuMeshless, passes::Passes, pipeline::Pass, scene::GpuScene,
+        wavelet::GpuPatches,
+    },
     light::{
-        bounce::{MeshlessLight, SourceLighting},
+        bounce::{MeshlessLight, PatchLight, SourceLighting},
         implicit::{PosedLight, Sides},
         local::LocalLighting,
         solver::BounceLight,
@@ -22,6 +25,7 @@ pub struct GpuBounce {
     /// As they were last shown.
     pub sources: Option<GpuSources>,
     pub functions: GpuMeshless,
+    pub patches: GpuPatches,
 }
 
 impl GpuBounce {
@@ -30,6 +34,9 @@ impl GpuBounce {
         self.light = light;
         if self.light.functions.is_none() {
             self.functions.forget_light();
+        }
+        if self.light.patches.is_none() {
+            self.patches.forget_light();
         }
     }
 
@@ -44,17 +51,25 @@ impl GpuBounce {
         Ok(())
     }
 
-    /// What the pass reads that evaluates bounced light at every pixel, if it has any to show.
+    /// The pass that evaluates bounced light at every pixel, and what it reads, if there is any to show.
     ///
     /// # Errors
-    /// A basis beyond the adapter's limits.
-    pub fn evaluated(&mut self, gpu: &GpuDevice, view: &View) -> Result<Option<wgpu::BindGroup>, BackendError> {
+    /// Light beyond the adapter's limits.
+    pub fn evaluated(
+        &mut self,
+        gpu: &GpuDevice,
+        passes: &Passes,
+        view: &View,
+    ) -> Result<Option<(Pass, wgpu::BindGroup)>, BackendError> {
         let shaded = view.mode == ViewMode::Shaded;
         if let Some(light) = self.light.functions.as_ref().filter(|_| shaded || view.mode.is_of_basis()) {
-            return self.functions.bound(gpu, light, view.basis).map(Some);
+            return Ok(Some((passes.meshless.clone(), self.functions.bound(gpu, light, view.basis)?)));
+        }
+        if let Some(light) = self.light.patches.as_ref().filter(|_| shaded) {
+            return Ok(Some((passes.wavelet.clone(), self.patches.bound(gpu, light)?)));
         }
         let is_of_vertices = shaded && self.light.is_of_vertices;
-        Ok(is_of_vertices.then(|| GpuMeshless::without_functions(gpu)))
+        Ok(is_of_vertices.then(|| (passes.meshless.clone(), GpuMeshless::without_functions(gpu))))
     }
 }
 
@@ -65,6 +80,8 @@ pub struct ShownBounce {
     pub sources: Option<Arc<SourceLighting>>,
     /// Evaluated in a pass of their own.
     pub functions: Option<Arc<MeshlessLight>>,
+    /// Evaluated likewise.
+    pub patches: Option<Arc<PatchLight>>,
     /// Whether there is only light of vertices, which else the other passes add.
     pub is_of_vertices: bool,
     /// Light of vertices: what posed objects change, and in its bounces those as baked that are of vertices too.
@@ -78,6 +95,7 @@ impl ShownBounce {
         match local.shown_bounce() {
             Some(BounceLight::Sources(lighting)) => Self { sources: Some(lighting.clone()), ..none },
             Some(BounceLight::Functions(light)) => Self { functions: Some(light.clone()), ..none },
+            Some(BounceLight::Patches(light)) => Self { patches: Some(light.clone()), ..none },
             Some(BounceLight::Vertices(sides)) => {
                 let posed = with_bounce(local.posed.as_deref(), sides);
                 Self { is_of_vertices: true, posed: Some(posed.into()), ..none }

@@ -149,7 +149,8 @@ impl Shown {
             LightPart::Environment => true,
             LightPart::Bounce => {
                 let shows_basis = (shaded || mode.is_of_basis()) && bounce.light.functions.is_some();
-                bounce.sources.is_some() || shows_basis || shaded && bounce.light.is_of_vertices
+                let is_shaded_alone = bounce.light.is_of_vertices || bounce.light.patches.is_some();
+                bounce.sources.is_some() || shows_basis || shaded && is_shaded_alone
             }
             LightPart::Direct | LightPart::Added => lights(part),
         })
@@ -168,8 +169,8 @@ impl Shown {
         if shaded && let Some(Loaded { scene, .. }) = &self.scene {
             all = self.local_lights.prepare(gpu, passes, scene, [&groups.frame, &groups.scene]);
         }
-        let bounced = self.bounce.evaluated(gpu, view)?;
-        all.extend(bounced.map(|light| PartPass { part: LightPart::Bounce, pass: passes.meshless.clone(), light }));
+        let bounced = self.bounce.evaluated(gpu, passes, view)?;
+        all.extend(bounced.map(|(pass, light)| PartPass { part: LightPart::Bounce, pass, light }));
         for (part, field, light) in self.merged(gpu) {
             let pass = passes.merge(gpu, self.merge_variant(field, part == LightPart::Environment, sampling));
             all.push(PartPass { part, pass, light });

@@ -3,7 +3,7 @@
 use crate::{
     baked::Baked,
     light::{
-        bounce::{MeshlessRig, RadiosityRig, SourceRig},
+        bounce::{MeshlessRig, RadiosityRig, SourceRig, WaveletRig},
         situation::{Changes, Pending, Situation},
     },
 };
@@ -13,6 +13,7 @@ pub struct Rigs {
     sources: Option<Pending<SourceRig>>,
     meshless: Option<Pending<MeshlessRig>>,
     radiosity: Option<Pending<RadiosityRig>>,
+    wavelet: Option<Pending<WaveletRig>>,
 }
 
 impl Rigs {
@@ -22,6 +23,7 @@ impl Rigs {
             sources: SourceRig::new(baked).map(Pending::new),
             meshless: MeshlessRig::new(baked).map(Pending::new),
             radiosity: RadiosityRig::new(baked).map(Pending::new),
+            wavelet: WaveletRig::new(baked).map(Pending::new),
         }
     }
 
@@ -30,6 +32,7 @@ impl Rigs {
         self.sources.iter_mut().for_each(|rig| rig.note(changes));
         self.meshless.iter_mut().for_each(|rig| rig.note(changes));
         self.radiosity.iter_mut().for_each(|rig| rig.note(changes));
+        self.wavelet.iter_mut().for_each(|rig| rig.note(changes));
     }
 
     /// Surface sources under direct light; `None` for a dataset without sources.
@@ -45,5 +48,10 @@ impl Rigs {
     /// Functions of the objects under direct light; `None` for a dataset without them.
     pub fn radiosity(&mut self, situation: &Situation) -> Option<&mut RadiosityRig> {
         Some(self.radiosity.as_mut()?.lit(situation))
+    }
+
+    /// Quads under direct light; `None` for a dataset without wavelet transport.
+    pub fn wavelet(&mut self, situation: &Situation) -> Option<&mut WaveletRig> {
+        Some(self.wavelet.as_mut()?.lit(situation))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, cuts_over_radiosity::CutsOverRadiosity,
-    meshless::MeshlessSolver, radiosity::RadiositySolver,
+    meshless::MeshlessSolver, radiosity::RadiositySolver, wavelet::WaveletSolver,
 };
 use lapidary_core::dataset::BakeParts;
 use serde::{Deserialize, Serialize};
@@ -88,6 +88,7 @@ solutions! {
     CutsMeshless(CutsOverMeshless) = "cuts+meshless",
     Radiosity(RadiositySolver) = "radiosity",
     CutsRadiosity(CutsOverRadiosity) = "cuts+radiosity",
+    Wavelet(WaveletSolver) = "wavelet",
     #[cfg(test)]
     Even(Even) = "even",
 }

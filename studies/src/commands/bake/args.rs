@@ -72,7 +72,7 @@ pub struct BakeArgs {
         value_name = "OLD.cuts",
         conflicts_with_all = ["scene", "variant", "of_scene", "time", "clip", "preset", "mode", "exhaustive", "ground",
             "max_vertices", "even_vertices", "no_tessellate", "shots", "device", "chunks", "shard", "resume", "OutsideArgs", "EnvironmentOptions", "SourceOptions", "MeshlessOptions",
-            "ObjectBasesOptions"]
+            "ObjectBasesOptions", "WaveletOptions"]
     )]
     update: Option<PathBuf>,
     #[command(flatten)]

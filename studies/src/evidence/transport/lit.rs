@@ -13,7 +13,7 @@ use lapidary_core::{
     wavelet::{
         WaveletTransport,
         direct::DirectProjection,
-        patch::Patch,
+        patch::{Patch, patch_of_triangles},
         picture::PatchTexture,
         reflecting::ReflectingPatch,
         series::{GlobalTransport, MOST_POWERS},
@@ -39,7 +39,7 @@ pub struct LitQuads<'a> {
     look: Look,
     dataset: &'a Arc<Dataset>,
     /// The patch of each triangle.
-    patch_of: Vec<u32>,
+    patch_of: Vec<Option<u32>>,
 }
 
 impl<'a> LitQuads<'a> {
@@ -56,18 +56,18 @@ impl<'a> LitQuads<'a> {
         measurement.steps.begin(&format!("wavelet transport of {}", case.name));
         let rays = Intersector::of_scene(&case.scene);
         let offset = offset::TRANSPORT * case.scene.mesh.bounds().diagonal();
-        let mut patch_of = vec![0; case.scene.mesh.triangles.len()];
-        let halves = (0..).zip(&patches).flat_map(|(index, reflecting)| reflecting.patch.triangles.map(|t| (t, index)));
-        halves.for_each(|(triangle, index)| patch_of[triangle as usize] = index);
+        let quads: Vec<Patch> = patches.iter().map(|reflecting| reflecting.patch).collect();
+        let patch_of = patch_of_triangles(&case.scene.mesh, &quads);
         let settings = TransportSettings::DEFAULT;
         let start = Instant::now();
-        let (basis, direct) = direct_transport(&patches, &rays, offset, &settings, &measurement.steps.reporter)?;
+        let (basis, direct) =
+            direct_transport(&patches, &|_| true, &rays, offset, &settings, &measurement.steps.reporter)?;
         let of_direct = start.elapsed();
         measurement.steps.check()?;
         let start = Instant::now();
         let global = GlobalTransport::of(&direct, settings.compression);
         let precompute = [of_direct, start.elapsed()];
-        let transport = WaveletTransport { patches, basis, direct, global };
+        let transport = WaveletTransport { patches, basis, direct, global: global.operator };
         let look = measurement.bounced(dataset, Solution::Meshless);
         Ok(Some(Self {
             name: &case.name,
@@ -103,8 +103,8 @@ impl<'a> LitQuads<'a> {
             let at = Vec2::new((i % size[0]) as f32, (i / size[0]) as f32) + 0.5;
             let direction = camera.direction_through(at, size);
             let hit = self.rays.closest_hit(camera.eye, direction).filter(|hit| !hit.back_face);
-            hit.map_or(Vec3::ZERO, |hit| {
-                let patch = self.patch_of[hit.triangle as usize] as usize;
+            let on_patch = hit.and_then(|hit| Some((hit, self.patch_of[hit.triangle as usize]? as usize)));
+            on_patch.map_or(Vec3::ZERO, |(hit, patch)| {
                 let reflecting = &self.transport.patches[patch];
                 let square = square_at(&reflecting.patch, camera.eye + direction * hit.distance);
                 reflecting.outgoing(&textures[patch].at(square), -direction)

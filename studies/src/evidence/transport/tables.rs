@@ -108,9 +108,8 @@ impl Row {
     fn of(measurement: &Measurement, lit: &LitQuads) -> Result<Self> {
         measurement.steps.check()?;
         let transport = &lit.transport;
-        let gathered = transport.direct.after(&transport.global.operator, TransportSettings::DEFAULT.compression);
-        let links =
-            [&transport.direct, &transport.global.operator, &gathered].map(|operator| operator.links(&transport.basis));
+        let gathered = transport.direct.after(&transport.global, TransportSettings::DEFAULT.compression);
+        let links = [&transport.direct, &transport.global, &gathered].map(|operator| operator.links(&transport.basis));
         let mut times = [const { Vec::new() }; 3];
         for _ in 0..CHANGES {
             let (direct, took) = timed(|| lit.direct());
@@ -130,7 +129,7 @@ impl Row {
             functions: transport.basis.functions().len(),
             precompute_seconds: lit.precompute.map(|took| took.as_secs_f64()),
             links,
-            bytes: transport.direct.bytes() + transport.global.operator.bytes(),
+            bytes: transport.direct.bytes() + transport.global.bytes(),
             milliseconds: times.map(median),
             picture,
             picture_size: strip.size,
