@@ -7,7 +7,7 @@ use crate::{
     vertices::sidedness::classify,
 };
 use glam::{Vec2, Vec3, Vec4};
-use lapidary_core::{camera::Camera, scene::Scene};
+use lapidary_core::{camera::Camera, dataset::BakeParts, scene::Scene};
 use std::{
     collections::HashSet,
     sync::{
