@@ -46,3 +46,6 @@ pub fn wavelet_transport(
     };
     Ok((WaveletTransport { patches, basis, direct, global }, report))
 }
+
+#[cfg(test)]
+mod tests;

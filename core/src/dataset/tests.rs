@@ -8,11 +8,18 @@ use crate::{
     opacity::PartOpacity,
     parts::{Part, PartVariants, Variants},
     sources::Source,
+    sphere::concentric::HemisphereCells,
     surfel::{MeshPlace, Surfel},
     test_scenes,
     texture::{Channel, Texture, TextureSlot},
+    wavelet::{
+        operator::{Operator, RadianceFunction, TransportCoefficient},
+        patch::Patch,
+        reflecting::ReflectingPatch,
+        square::Function,
+    },
 };
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use std::path::{Path, PathBuf};
 
 mod brdfs;
@@ -383,6 +390,64 @@ fn bases_of_objects_survive_the_disk_and_functions_beside_the_mesh_are_named() {
     assert!(refused.contains("function 1 of the bases of objects"), "{refused}");
     dataset().write(&path).unwrap();
     assert!(read(&path).unwrap().object_bases.is_none(), "a dataset without them");
+}
+
+/// A dataset with wavelet transport from a quad to itself.
+fn with_wavelet() -> Dataset {
+    let dataset = dataset();
+    let quad = Patch {
+        corner: Vec3::new(0.0, 1.0, 0.0),
+        edges: [Vec3::X * 2.0, Vec3::Z],
+        frame: Mat3::from_cols(Vec3::X, Vec3::Z, Vec3::NEG_Y),
+        area: 2.0,
+        material: 0,
+        object: 0,
+    };
+    let mut patches = ReflectingPatch::all(vec![quad], &dataset.scene.materials);
+    patches[0].cells = HemisphereCells { side: 4 };
+    let of = |angle| RadianceFunction { patch: 0, space: Function::CONSTANT, angle };
+    let deeper = Function::from_bits(Function::CONSTANT.to_bits() + 1).unwrap();
+    let coefficient = |receiver, value| TransportCoefficient { receiver: of(receiver), sender: of(deeper), value };
+    let coefficients = vec![coefficient(Function::CONSTANT, Vec3::X), coefficient(deeper, Vec3::splat(0.5))];
+    let (basis, direct) = Operator::of(coefficients);
+    let global = Operator::identity(2).plus(&direct);
+    Dataset { wavelet: Some(WaveletTransport { patches, basis, direct, global }.into()), ..dataset }
+}
+
+#[test]
+fn wavelet_transport_survives_the_disk_and_wrong_quads_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.cuts");
+    let original = with_wavelet();
+    original.write(&path).unwrap();
+    let (a, b) = (read(&path).unwrap().wavelet.unwrap(), original.wavelet.clone().unwrap());
+    assert_eq!((&a.basis, &a.direct, &a.global), (&b.basis, &b.direct, &b.global));
+    assert_eq!((a.patches[0].patch, a.patches[0].cells), (b.patches[0].patch, b.patches[0].cells));
+    for damage in [
+        |patch: &mut ReflectingPatch| patch.patch.material = 9,
+        |patch: &mut ReflectingPatch| patch.patch.object = 9,
+        |patch: &mut ReflectingPatch| patch.patch.corner.x = f32::NAN,
+        |patch: &mut ReflectingPatch| patch.cells.side = 3,
+    ] {
+        let mut transport = (*b).clone();
+        damage(&mut transport.patches[0]);
+        let refused = Dataset { wavelet: Some(transport.into()), ..original.clone() }.write(&path).unwrap_err();
+        assert!(refused.to_string().contains("patch 0 of the wavelet transport"), "{refused}");
+    }
+    dataset().write(&path).unwrap();
+    assert!(read(&path).unwrap().wavelet.is_none(), "a dataset without it");
+}
+
+#[test]
+fn only_functions_that_exist_are_read() {
+    assert_eq!(Function::from_bits(Function::CONSTANT.to_bits()), Some(Function::CONSTANT));
+    for bits in [0, 3, 8, 12, u32::MAX] {
+        assert_eq!(Function::from_bits(bits), None, "{bits}");
+    }
+    assert!(Operator::from_parts(vec![0, 1], vec![(0, Vec3::ONE)]).is_some());
+    for (starts, entry) in [(vec![0, 2], (0, Vec3::ONE)), (vec![0, 1], (1, Vec3::ONE)), (vec![0, 1], (0, Vec3::NAN))] {
+        assert!(Operator::from_parts(starts, vec![entry]).is_none(), "{entry:?}");
+    }
 }
 
 #[test]

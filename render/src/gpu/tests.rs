@@ -13,3 +13,4 @@ mod reflection;
 mod sketch;
 mod textures;
 mod twin;
+mod wavelet;
