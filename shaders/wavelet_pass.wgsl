@@ -8,7 +8,7 @@ struct Quad {
     first: u32,
     // A point's place in the unit square, from its offset from the corner.
     square_u: vec3<f32>,
-    // Texels along an edge.
+    // Texels along an edge, without the border.
     side: u32,
     square_v: vec3<f32>,
     // Cells of directions along an edge.
@@ -50,13 +50,13 @@ fn reflected(point: SurfacePoint, index: u32) -> vec3<f32> {
     var sum = vec3(0.0);
     for (var cell = 0u; cell < cells; cell++) {
         let wi = direction_of(cell, quad.cells);
-        let from = patch_from_local * wi;
-        if from.z > 0.0 {
+        let arrives = patch_from_local * wi;
+        if arrives.z > 0.0 {
             let reflected = brdf_cos(point.brdf, wi, point.wo, 0.0, point.slopes) / max(wi.z, LEAST_CELL_COSINE);
-            sum += arriving(texels, cell_of(from, quad.cells)) * reflected;
+            sum += arriving(texels, cell_of(arrives, quad.cells)) * reflected;
         }
     }
-    return sum * (PI / f32(cells));
+    return sum / (FRAC_1_PI * f32(cells));
 }
 
 // The first values of the four texels around a point, and their weights.
@@ -72,11 +72,11 @@ fn texels_around(quad: Quad, position: vec3<f32>) -> Texels {
     let place = square * f32(quad.side) - 0.5;
     let low = floor(place);
     let part = place - low;
-    let last = vec2(f32(quad.side - 1u));
-    let a = vec2<u32>(clamp(low, vec2(0.0), last));
-    let b = vec2<u32>(clamp(low + 1.0, vec2(0.0), last));
+    let last = vec2(f32(quad.side + 1u));
+    let a = vec2<u32>(clamp(low + 1.0, vec2(0.0), last));
+    let b = vec2<u32>(clamp(low + 2.0, vec2(0.0), last));
     let cells = quad.cells * quad.cells;
-    let rows = vec2(a.y, b.y) * quad.side;
+    let rows = vec2(a.y, b.y) * (quad.side + 2u);
     let first = vec4(rows.x + a.x, rows.x + b.x, rows.y + a.x, rows.y + b.x) * cells + quad.first;
     let rest = 1.0 - part;
     return Texels(first, vec4(rest.x * rest.y, part.x * rest.y, rest.x * part.y, part.x * part.y));

@@ -58,6 +58,14 @@ impl Patch {
         [b.cross(normal), normal.cross(a)].map(|along| along / normal.length_squared())
     }
 
+    /// Whether it lies in the plane of another one, with the same side; if asked, with the same frame of directions.
+    pub fn continues(&self, other: &Self, with_frame: bool) -> bool {
+        let height = (self.corner - other.corner).dot(other.normal());
+        let is_in_plane =
+            height.abs() <= TOLERANCE * other.area.sqrt() && self.normal().dot(other.normal()) > 1.0 - TOLERANCE;
+        is_in_plane && (!with_frame || self.frame.abs_diff_eq(other.frame, TOLERANCE))
+    }
+
     /// Whether the middle of a triangle of a mesh lies on it, with the same side.
     fn holds(&self, mesh: &Mesh, triangle: usize) -> bool {
         let middle = mesh.corners(triangle).iter().sum::<Vec3>() / 3.0;

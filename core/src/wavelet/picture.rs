@@ -1,7 +1,11 @@
 //! Radiance on patches as textures, synthesized from the basis (wavelet paper, 5.3 and 5.4).
+//!
+//! A border of texels makes light continuous from patch to patch. Departure: the paper's textures hold light that is reflected to the
+//! eye, so it culls by view. These hold light that arrives, and a moved eye needs no other ones.
 
 use super::{
     operator::RadianceBasis,
+    patch::Patch,
     reflecting::ReflectingPatch,
     square::{Function, Node},
 };
@@ -10,13 +14,13 @@ use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 use std::{collections::BTreeMap, f32::consts::PI};
 
-/// Radiance that arrives on a patch: a texture with the mean over each cell of directions.
+/// Radiance that arrives on a patch: a texture with the mean over each cell of directions, and with a border.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PatchTexture {
-    /// Texels along an edge, a power of two.
+    /// Texels along an edge without the border, a power of two.
     side: u32,
     cells: HemisphereCells,
-    /// Texel by texel, row by row; for each its cells.
+    /// Texel by texel, row by row, the border's too; for each its cells.
     radiance: Vec<Vec3>,
 }
 
@@ -34,7 +38,34 @@ impl PatchTexture {
             });
             Self::of(by_angle, 1.0 / (PI * reflecting.patch.area).sqrt(), reflecting.cells)
         };
-        patches.par_iter().enumerate().map(of_patch).collect()
+        let alone: Vec<Self> = patches.par_iter().enumerate().map(of_patch).collect();
+        alone.par_iter().zip(patches).map(|(texture, patch)| texture.beside(&patch.patch, patches, &alone)).collect()
+    }
+
+    /// With light of the patches that continue this one in its border, where there are some.
+    fn beside(&self, patch: &Patch, patches: &[ReflectingPatch], textures: &[Self]) -> Self {
+        let others = patches.iter().map(|other| &other.patch).zip(textures);
+        let continues = |(other, texture): &(&Patch, &Self)| {
+            *other != patch && texture.cells == self.cells && other.continues(patch, self.cells.len() > 1)
+        };
+        let others: Vec<(&Patch, &Self)> = others.filter(continues).collect();
+        let mut bordered = self.clone();
+        if others.is_empty() {
+            return bordered;
+        }
+        let rows = self.side + 2;
+        let is_border = |i: &u32| [i % rows, i / rows].iter().any(|&along| along == 0 || along == rows - 1);
+        for texel in (0..rows * rows).filter(is_border) {
+            let square = (Vec2::new((texel % rows) as f32, (texel / rows) as f32) - 0.5) / self.side as f32;
+            let point = patch.point(square);
+            let found = others.iter().map(|(other, texture)| (other.square_of(point), texture));
+            let within = |square: Vec2| square.min_element() >= 0.0 && square.max_element() <= 1.0;
+            if let Some((square, texture)) = found.into_iter().find(|(square, _)| within(*square)) {
+                let first = texel as usize * self.cells.len();
+                bordered.radiance[first..first + self.cells.len()].copy_from_slice(&texture.at(square));
+            }
+        }
+        bordered
     }
 
     /// Space first, then angle (Fig. 5).
@@ -51,10 +82,10 @@ impl PatchTexture {
                 texel.iter_mut().zip(&of_cells).for_each(|(cell, height)| *cell += *value * *height);
             }
         }
-        Self { side, cells, radiance }
+        Self { side, cells, radiance: with_border(&radiance, side, cells.len()) }
     }
 
-    /// Texels along an edge.
+    /// Texels along an edge, without the border.
     pub fn side(&self) -> u32 {
         self.side
     }
@@ -64,7 +95,7 @@ impl PatchTexture {
         self.cells
     }
 
-    /// Mean radiance in each cell, texel by texel, row by row.
+    /// Mean radiance in each cell, texel by texel, row by row, with a texel more on each side.
     pub fn radiance(&self) -> &[Vec3] {
         &self.radiance
     }
@@ -76,12 +107,19 @@ impl PatchTexture {
         let mut sums = vec![Vec3::ZERO; self.cells.len()];
         for [x, y] in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
             let weight = (if x > 0.0 { part.x } else { 1.0 - part.x }) * (if y > 0.0 { part.y } else { 1.0 - part.y });
-            let texel = (low + Vec2::new(x, y)).clamp(Vec2::ZERO, Vec2::splat((self.side - 1) as f32)).as_uvec2();
-            let first = (texel.y * self.side + texel.x) as usize * self.cells.len();
+            let texel = (low + 1.0 + Vec2::new(x, y)).clamp(Vec2::ZERO, Vec2::splat((self.side + 1) as f32)).as_uvec2();
+            let first = (texel.y * (self.side + 2) + texel.x) as usize * self.cells.len();
             sums.iter_mut().zip(&self.radiance[first..]).for_each(|(sum, value)| *sum += *value * weight);
         }
         sums
     }
+}
+
+/// Texels with a border that repeats the outermost ones.
+fn with_border(texels: &[Vec3], side: u32, cells: usize) -> Vec<Vec3> {
+    let within = |along: u32| along.clamp(1, side) - 1;
+    let all = (0..side + 2).flat_map(|y| (0..side + 2).map(move |x| (within(y) * side + within(x)) as usize * cells));
+    all.flat_map(|first| &texels[first..first + cells]).copied().collect()
 }
 
 /// The level of the cells on which a function is constant.
@@ -114,12 +152,38 @@ fn add<T: Copy + std::ops::AddAssign + std::ops::Mul<f32, Output = T>>(
 mod tests {
     use super::*;
     use crate::{
-        test_scenes::{floor, scene_of},
+        test_scenes::{floor, quad, scene_of},
         wavelet::{
             operator::{Operator, RadianceFunction, TransportCoefficient},
             square::transform_products,
         },
     };
+
+    #[test]
+    fn light_goes_on_from_quad_to_quad() {
+        // Two floors side by side, and a step up beside them.
+        let at = |x: f32, y: f32| {
+            quad(Vec3::new(x, y, 1.0), Vec3::new(x + 1.0, y, 1.0), Vec3::new(x + 1.0, y, 0.0), Vec3::new(x, y, 0.0))
+        };
+        let patches =
+            ReflectingPatch::of_scene(&scene_of(&[at(0.0, 0.0), at(1.0, 0.0), at(2.0, 0.1)].concat())).unwrap();
+        let of = |patch: u32| RadianceFunction { patch, space: Function::CONSTANT, angle: Function::CONSTANT };
+        let coefficient = |patch| TransportCoefficient { receiver: of(patch), sender: of(patch), value: Vec3::ONE };
+        let (basis, _) = Operator::of((0..3).map(coefficient).collect());
+        let coefficients = [1.0, 3.0, 9.0].map(|radiance| Vec3::splat(radiance * PI.sqrt()));
+        let textures = PatchTexture::all(&patches, &basis, &coefficients);
+        let at = |patch: usize, x: f32| {
+            let square = patches[patch].patch.square_of(Vec3::new(x, 0.0, 0.5));
+            textures[patch].at(square)[0].x
+        };
+        assert!((at(0, 0.5) - 1.0).abs() < 1e-4 && (at(1, 1.5) - 3.0).abs() < 1e-4);
+        assert!(
+            (at(0, 1.0) - 2.0).abs() < 1e-4 && (at(1, 1.0) - 2.0).abs() < 1e-4,
+            "the same on both sides of the edge"
+        );
+        assert!((at(0, 0.0) - 1.0).abs() < 1e-4, "no other at its free edge");
+        assert!((at(1, 2.0) - 3.0).abs() < 1e-4, "negative control: the step does not continue it");
+    }
 
     #[test]
     fn textures_have_the_radiance_of_their_functions() {
