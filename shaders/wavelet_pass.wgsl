@@ -2,7 +2,7 @@
 // evaluates its BRDF. Twin of `PatchLight::reflected` in render/src/light/bounce/wavelet.rs, and of
 // core/src/wavelet/{patch,picture}.rs.
 
-struct Quad {
+struct LitQuad {
     corner: vec3<f32>,
     // Its first value among the radiance.
     first: u32,
@@ -21,7 +21,7 @@ const NO_QUAD: u32 = 0xffffffffu;
 // See LEAST_COSINE in render/src/light/bounce/wavelet.rs.
 const LEAST_CELL_COSINE: f32 = 1e-4;
 
-@group(2) @binding(0) var<storage, read> quads: array<Quad>;
+@group(2) @binding(0) var<storage, read> quads: array<LitQuad>;
 @group(2) @binding(1) var<storage, read> quad_of_triangles: array<u32>;
 // Texel by texel, row by row; for each its cells.
 @group(2) @binding(2) var<storage, read> radiance: array<vec4<f32>>;
@@ -66,7 +66,7 @@ struct Texels {
 }
 
 // Twin of `PatchTexture::at`.
-fn texels_around(quad: Quad, position: vec3<f32>) -> Texels {
+fn texels_around(quad: LitQuad, position: vec3<f32>) -> Texels {
     let offset = position - quad.corner;
     let square = clamp(vec2(dot(quad.square_u, offset), dot(quad.square_v, offset)), vec2(0.0), vec2(1.0));
     let place = square * f32(quad.side) - 0.5;

@@ -21,3 +21,4 @@ mod outside;
 mod pictures;
 mod poses;
 mod reproducers;
+mod wavelet;

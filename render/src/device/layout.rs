@@ -368,10 +368,10 @@ pub struct BasisFunction {
     pub normal: [f32; 4],
 }
 
-/// `Quad` of `wavelet_pass.wgsl`.
+/// `LitQuad` of `wavelet_pass.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Quad {
+pub struct LitQuad {
     pub corner: [f32; 3],
     pub first: u32,
     pub square_u: [f32; 3],

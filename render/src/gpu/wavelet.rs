@@ -49,10 +49,10 @@ fn uploaded(gpu: &GpuDevice, light: &PatchLight) -> Result<wgpu::BindGroup, Back
     Ok(groups::QuadLight { quads, quad_of_triangles, radiance }.bind(gpu))
 }
 
-fn quad(patch: &Patch, texture: &PatchTexture, first: u32) -> layout::Quad {
+fn quad(patch: &Patch, texture: &PatchTexture, first: u32) -> layout::LitQuad {
     let padded = |v: Vec3| v.extend(0.0).to_array();
     let [square_u, square_v] = patch.square_from_offset();
-    layout::Quad {
+    layout::LitQuad {
         corner: patch.corner.to_array(),
         first,
         square_u: square_u.to_array(),
