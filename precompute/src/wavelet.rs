@@ -31,7 +31,7 @@ pub fn wavelet_transport(
     observer: &dyn Observer,
 ) -> Result<(WaveletTransport, WaveletReport), BakeError> {
     let offset = offset::TRANSPORT * scene.mesh.bounds().diagonal();
-    let settings = TransportSettings { compression: settings.compression, ..TransportSettings::DEFAULT };
+    let settings = TransportSettings::compressed(settings.compression);
     let is_shown = |patch: &Patch| !scene.hidden.contains_key(&patch.object);
     let (basis, direct) = direct_transport(&patches, &is_shown, rays, offset, &settings, observer)?;
     cancelled(observer)?;

@@ -32,7 +32,7 @@ impl WaveletVerification {
         let picked = again.random().choose_multiple(all, again.count.min(quads * quads));
         let offset = offset::TRANSPORT * scene.mesh.bounds().diagonal();
         let differs = |&&pair: &&usize| {
-            let settings = TransportSettings::DEFAULT;
+            let settings = TransportSettings::compressed(again.dataset.settings.wavelet.compression);
             let made = direct_transport_between(&transport.patches, pair, again.intersector, offset, &settings);
             !agree(made, stored(transport, pair))
         };
