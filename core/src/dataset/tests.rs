@@ -190,7 +190,7 @@ fn foreign_and_newer_files_are_told_apart() {
         let length = u64::from_le_bytes(b[..8].try_into().unwrap()) + 1;
         b[..8].copy_from_slice(&length.to_le_bytes());
     });
-    let with_a_one = format!("1{FORMAT_VERSION}").parse().unwrap();
+    let with_a_one: u32 = format!("1{FORMAT_VERSION}").parse().unwrap();
     assert!(matches!(newer, DatasetError::Newer { found, .. } if found == with_a_one), "{newer}");
 }
 
