@@ -47,16 +47,23 @@ fn reflected(point: SurfacePoint, index: u32) -> vec3<f32> {
     let texels = texels_around(quad, point.position);
     let patch_from_local = transpose(quad.frame) * point.world_from_local;
     let cells = quad.cells * quad.cells;
+    if cells == 1u {
+        return max(arriving(texels, 0u) * albedo_of(point.brdf), vec3(0.0));
+    }
+    // The integral of the cosine over a cell.
+    let weight = 1.0 / (FRAC_1_PI * f32(cells));
     var sum = vec3(0.0);
     for (var cell = 0u; cell < cells; cell++) {
         let wi = direction_of(cell, quad.cells);
         let arrives = patch_from_local * wi;
         if arrives.z > 0.0 {
-            let reflected = brdf_cos(point.brdf, wi, point.wo, 0.0, point.slopes) / max(wi.z, LEAST_CELL_COSINE);
+            let cos = max(wi.z, LEAST_CELL_COSINE);
+            let spread = weight * FRAC_1_PI / (4.0 * cos);
+            let reflected = brdf_cos(point.brdf, wi, point.wo, spread, point.slopes) / cos;
             sum += arriving(texels, cell_of(arrives, quad.cells)) * reflected;
         }
     }
-    return sum / (FRAC_1_PI * f32(cells));
+    return max(sum * weight, vec3(0.0));
 }
 
 // The first values of the four texels around a point, and their weights.

@@ -77,6 +77,14 @@ fn an_edit_of_the_material_shows_in_the_last_reflection() {
     };
     let (before, after) = (floor(""), floor("--base-color 0.1,0.1,0.1"));
     assert!(after.max_element() < 0.5 * before.max_element(), "{before} {after}");
+    // Walls that were baked diffuse know no directions, but are no brighter as metal.
+    let brightest = |options: &str| {
+        floor(options);
+        let picture = lapidary_interchange::image::read(&folder.path("a.exr")).expect("a picture");
+        picture.pixels.iter().map(|pixel| pixel.max_element()).fold(0.0, f32::max)
+    };
+    let (diffuse, metal) = (brightest("--roughness 1 --metalness 0"), brightest("--roughness 0.3 --metalness 1"));
+    assert!(metal < 1.5 * diffuse, "{metal} {diffuse}");
 }
 
 #[test]

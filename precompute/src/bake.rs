@@ -18,6 +18,7 @@ pub use phases::geometry::{Geometry, tessellation_units};
 use self::{
     checkpoint::{Checkpoint, Content, Places, Series, Work},
     clock::Clock,
+    parts::wavelet::Quads,
     phases::{
         bounces::bake_bounces,
         environment::bake_environment,
@@ -52,7 +53,6 @@ use lapidary_core::{
         placed::deformed_hash,
         pose::{Objects, Poses},
     },
-    wavelet::reflecting::ReflectingPatch,
 };
 use std::{
     path::{Path, PathBuf},
@@ -119,7 +119,7 @@ pub fn bake_shard(
     Ok(report)
 }
 
-/// The dataset with fully occluded cuts. Wavelet transport stays: it knows the quads of the scene as imported.
+/// The dataset with fully occluded cuts. Wavelet transport stays, for only the scene as imported has its quads.
 fn without_cuts(dataset: Dataset) -> Dataset {
     let mut cuts = PackedCuts::default();
     let offset = cuts.push_cut(&[0]);
@@ -143,13 +143,13 @@ pub fn merge(output: &Path, decode: DecodePicture, observer: &dyn Observer) -> R
     let (hash, warnings, audit) = (scene.scene_hash.clone(), scene.report.warnings.clone(), scene.report.audit);
     let settings = resolve(scene.settings.clone())?;
     let content = bake_hash(&hash, &scene.scene, &scene.scene.placed_poses(), scene.scene.clip_time.as_ref());
-    let patches = scene.wavelet.as_ref().map_or_else(Vec::new, |transport| transport.patches.clone());
+    let quads = Quads::of_share(&scene);
     let geometry = Geometry::of_dataset(scene);
     let (points, order) = (geometry.points.points.len(), checkpoint.tree_order().to_vec());
     let tree = LightTree::from_order(order).ok().filter(|_| checkpoint.is_of_scene(&content, &settings, points));
     let tree = tree.ok_or_else(|| checkpoint.foreign_scene())?;
     let begun =
-        Begun { settings, hash, geometry, patches, tree, audit, checkpoint, devices: None, estimated_memory: None };
+        Begun { settings, hash, geometry, quads, tree, audit, checkpoint, devices: None, estimated_memory: None };
     let (dataset, checkpoint) = begun.dataset(warnings, Clock::new(&remarks, 0.0))?;
     finish(dataset, checkpoint, output, &remarks)
 }
@@ -202,8 +202,7 @@ struct Begun<'a> {
     settings: ResolvedBake,
     hash: String,
     geometry: Geometry,
-    /// The quads of the scene, if wavelet transport is baked.
-    patches: Vec<ReflectingPatch>,
+    quads: Quads,
     tree: LightTree,
     /// The audit of its visibility, if already known.
     audit: Option<BakeAudit>,
@@ -235,7 +234,7 @@ impl<'a> Begun<'a> {
         };
         scene.place(&job.poses.all_shown()).map_err(BakeError::Pose)?;
         scene.clip_time.clone_from(&job.clip_time);
-        let patches = if settings.mode.wavelet() { ReflectingPatch::of_scene(&scene)? } else { Vec::new() };
+        let quads = Quads::of_scene(&scene, &settings, observer)?;
         let vertices = most_vertices(scene.mesh.positions.len(), &settings);
         if settings.ground != Ground::Off {
             add_ground(&mut scene);
@@ -253,17 +252,17 @@ impl<'a> Begun<'a> {
         })?;
         cancelled(observer)?;
         let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, content, resumed, devices, clock)?;
-        Ok(Self { settings, hash, geometry, patches, tree, audit: None, checkpoint, devices, estimated_memory })
+        Ok(Self { settings, hash, geometry, quads, tree, audit: None, checkpoint, devices, estimated_memory })
     }
 
     /// Computes or reads the chunks, and packs them. `warnings` are the earlier ones.
     fn dataset(self, warnings: Vec<String>, mut clock: Clock) -> Result<(Dataset, Checkpoint), BakeError> {
-        let Self { settings, hash, geometry, patches, tree, audit, checkpoint, devices, estimated_memory } = self;
+        let Self { settings, hash, geometry, quads, tree, audit, checkpoint, devices, estimated_memory } = self;
         let observer = clock.observer;
         let kept = checkpoint.series(Series::Environment, Places::of_scene());
         let seen = bake_environment(&geometry, &tree, &settings, audit, devices, &kept, &mut clock)?;
         let tracing = Tracing { lights_per_probe: seen.lights_per_probe(), devices };
-        let bounces = bake_bounces(&geometry, &patches, &tree, &settings, tracing, &checkpoint, &mut clock)?;
+        let bounces = bake_bounces(&geometry, &quads, &tree, &settings, tracing, &checkpoint, &mut clock)?;
         observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
         let packing = Instant::now();
         let (factor, sigma) = fit_environment(&seen.cuts, &settings, observer)?;

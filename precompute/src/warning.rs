@@ -54,6 +54,11 @@ pub enum Warning {
     },
     /// A closed space reflects nearly all light.
     EndlessBounces,
+    /// Wavelet transport of surfaces with maps.
+    PlainQuads {
+        /// The first material with a map.
+        material: String,
+    },
     /// A warning about surface sources.
     Sources(SourcesWarning),
     /// A warning about the meshless basis.
@@ -111,6 +116,10 @@ impl Warning {
                  bounce; lower the base colors to 0.9 or less"
                     .into()
             }
+            Self::PlainQuads { material } => format!(
+                "wavelet transport reads no maps: light that material \"{material}\" bounces has the parameters without them; the last \
+                 reflection to the eye has them"
+            ),
             Self::Sources(warning) => warning.text(name),
             Self::Basis(warning) => warning.text(name),
         }

@@ -7,10 +7,7 @@ mod refine;
 pub(crate) use refine::direct_transport_between;
 pub use refine::{TransportSettings, direct_transport};
 
-use crate::{
-    errors::{BakeError, cancelled},
-    observer::Observer,
-};
+use crate::{errors::BakeError, observer::Observer};
 use lapidary_core::{
     dataset::{WaveletReport, WaveletSettings},
     offset,
@@ -34,8 +31,8 @@ pub fn wavelet_transport(
     let settings = TransportSettings::compressed(settings.compression);
     let is_shown = |patch: &Patch| !scene.hidden.contains_key(&patch.object);
     let (basis, direct) = direct_transport(&patches, &is_shown, rays, offset, &settings, observer)?;
-    cancelled(observer)?;
-    let GlobalTransport { operator: global, coefficients: powers } = GlobalTransport::of(&direct, settings.compression);
+    let series = GlobalTransport::of_while(&direct, settings.compression, &|| !observer.cancelled());
+    let GlobalTransport { operator: global, coefficients: powers } = series.ok_or(BakeError::Cancelled)?;
     let report = WaveletReport {
         patches: patches.len(),
         functions: basis.functions().len(),

@@ -36,16 +36,20 @@ use safetensors::Dtype;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+/// Most halvings of a patch in a dataset.
+const MOST_LEVELS: u32 = 8;
+
 /// Settings of wavelet transport.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WaveletSettings {
-    /// Coefficients of each power in the series of bounces up to this are left out (τ of the wavelet paper, 4.4).
+    /// Coefficients of each power in the series of bounces up to this are left out (τ of the wavelet paper, 4.4), and those of one
+    /// bounce up to a tenth of it.
     pub compression: f32,
 }
 
 impl Default for WaveletSettings {
-    /// Pictures are as those of the paper's 1e-5, with 40 % of its coefficients.
+    /// Ten times the paper's threshold, for the same pictures: see `docs/lab-notes/2026-11-29-wavelet-transport.md`.
     fn default() -> Self {
         Self { compression: 1e-4 }
     }
@@ -109,6 +113,13 @@ fn is_valid(ReflectingPatch { patch, cells, .. }: &ReflectingPatch, scene: &Scen
         && (patch.object as usize) < scene.objects.len()
         && cells.side.is_power_of_two()
         && cells.side <= ReflectingPatch::MOST_CELLS_ALONG
+        && patch.edges[0].cross(patch.edges[1]).normalize_or_zero().dot(frame.z_axis) > 0.999
+}
+
+/// The function of two numbers on a patch, if the bake could have made it.
+fn function_of([space, angle]: [u32; 2], cells: HemisphereCells) -> Option<[Function; 2]> {
+    let of = |bits: u32, level: u32| Function::from_bits(bits).filter(|function| function.is_in_basis(level));
+    Some([of(space, MOST_LEVELS)?, of(angle, cells.side.ilog2())?])
 }
 
 /// The tensors of wavelet transport.
@@ -161,13 +172,16 @@ impl Reader<'_> {
                 object,
             };
         let mut patches = ReflectingPatch::all(places.iter().zip(&numbers).map(patch).collect(), &scene.materials);
-        for (patch, [.., side]) in patches.iter_mut().zip(numbers) {
+        for (index, (patch, [.., side])) in patches.iter_mut().zip(numbers).enumerate() {
+            if side == 0 {
+                return Err(Damage::of_part(WaveletDamage::Patch(index)));
+            }
             patch.cells = HemisphereCells { side: side as usize };
         }
         let functions: Vec<[u32; 3]> = self.array("wavelet_functions", Dtype::U32, &[3], None)?;
         let function = |[patch, space, angle]: [u32; 3]| {
-            let [space, angle] = [space, angle].map(Function::from_bits);
-            Some(RadianceFunction { patch, space: space?, angle: angle? }).filter(|_| (patch as usize) < patches.len())
+            let [space, angle] = function_of([space, angle], patches.get(patch as usize)?.cells)?;
+            Some(RadianceFunction { patch, space, angle })
         };
         let functions: Option<Vec<_>> = functions.into_iter().map(function).collect();
         let basis = functions.and_then(RadianceBasis::from_functions);

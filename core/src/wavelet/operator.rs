@@ -85,7 +85,7 @@ impl Operator {
         Self { starts: (0..=functions).collect(), entries: (0..functions as u32).map(|i| (i, Vec3::ONE)).collect() }
     }
 
-    fn of_columns(columns: Vec<Vec<(u32, Vec3)>>) -> Self {
+    pub(super) fn of_columns(columns: Vec<Vec<(u32, Vec3)>>) -> Self {
         let mut starts = vec![0];
         starts.extend(columns.iter().scan(0, |sum, column| {
             *sum += column.len();
@@ -147,18 +147,21 @@ impl Operator {
     /// If their functions differ in number.
     pub fn after(&self, first: &Self, threshold: f32) -> Self {
         assert_eq!(self.functions(), first.functions(), "matrices over the same functions");
-        let column = |sender: usize| {
-            let mut sums = FxHashMap::<u32, Vec3>::default();
-            for &(between, share) in first.column(sender) {
-                for &(receiver, value) in self.column(between as usize) {
-                    *sums.entry(receiver).or_insert(Vec3::ZERO) += value * share;
-                }
-            }
-            let mut kept: Vec<_> = sums.into_iter().filter(|(_, value)| exceeds(*value, threshold)).collect();
-            kept.sort_unstable_by_key(|(receiver, _)| *receiver);
-            kept
-        };
+        let column = |sender| self.after_column(first.column(sender), threshold);
         Self::of_columns((0..self.functions()).into_par_iter().map(column).collect())
+    }
+
+    /// A column of a product: receivers of this matrix for the light of some functions, in ascending order, compressed.
+    pub(super) fn after_column(&self, first: &[(u32, Vec3)], threshold: f32) -> Vec<(u32, Vec3)> {
+        let mut sums = FxHashMap::<u32, Vec3>::default();
+        for &(between, share) in first {
+            for &(receiver, value) in self.column(between as usize) {
+                *sums.entry(receiver).or_insert(Vec3::ZERO) += value * share;
+            }
+        }
+        let mut kept: Vec<_> = sums.into_iter().filter(|(_, value)| exceeds(*value, threshold)).collect();
+        kept.sort_unstable_by_key(|(receiver, _)| *receiver);
+        kept
     }
 
     /// The sum of two matrices.

@@ -9,7 +9,7 @@ use super::{
     reflecting::ReflectingPatch,
     square::{Function, Node},
 };
-use crate::sphere::concentric::HemisphereCells;
+use crate::{ray::Intersector, sphere::concentric::HemisphereCells};
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 use std::{collections::BTreeMap, f32::consts::PI};
@@ -25,8 +25,14 @@ pub struct PatchTexture {
 }
 
 impl PatchTexture {
-    /// The textures of all patches for coefficients of the basis. A texture is as fine as the finest function of its patch.
-    pub fn all(patches: &[ReflectingPatch], basis: &RadianceBasis, coefficients: &[Vec3]) -> Vec<Self> {
+    /// The textures of all patches for coefficients of the basis. A texture is as fine as the finest function of its patch. `neighbors`
+    /// of each patch continue it, see [`neighbors`].
+    pub fn all(
+        patches: &[ReflectingPatch],
+        neighbors: &[Vec<u32>],
+        basis: &RadianceBasis,
+        coefficients: &[Vec3],
+    ) -> Vec<Self> {
         let of_patch = |(index, reflecting): (usize, &ReflectingPatch)| {
             let functions = basis.functions();
             let start = functions.partition_point(|function| function.patch < index as u32);
@@ -39,28 +45,20 @@ impl PatchTexture {
             Self::of(by_angle, 1.0 / (PI * reflecting.patch.area).sqrt(), reflecting.cells)
         };
         let alone: Vec<Self> = patches.par_iter().enumerate().map(of_patch).collect();
-        alone.par_iter().zip(patches).map(|(texture, patch)| texture.beside(&patch.patch, patches, &alone)).collect()
+        let bordered = |(texture, (patch, of_patch)): (&Self, (&ReflectingPatch, &Vec<u32>))| {
+            let others = of_patch.iter().map(|&other| (&patches[other as usize].patch, &alone[other as usize]));
+            texture.beside(&patch.patch, &others.collect::<Vec<_>>())
+        };
+        alone.par_iter().zip(patches.par_iter().zip(neighbors)).map(bordered).collect()
     }
 
-    /// With light of the patches that continue this one in its border, where there are some.
-    fn beside(&self, patch: &Patch, patches: &[ReflectingPatch], textures: &[Self]) -> Self {
-        let others = patches.iter().map(|other| &other.patch).zip(textures);
-        let continues = |(other, texture): &(&Patch, &Self)| {
-            *other != patch && texture.cells == self.cells && other.continues(patch, self.cells.len() > 1)
-        };
-        let others: Vec<(&Patch, &Self)> = others.filter(continues).collect();
+    /// With light of the patches that continue this one in its border.
+    fn beside(&self, patch: &Patch, others: &[(&Patch, &Self)]) -> Self {
         let mut bordered = self.clone();
-        if others.is_empty() {
-            return bordered;
-        }
-        let rows = self.side + 2;
-        let is_border = |i: &u32| [i % rows, i / rows].iter().any(|&along| along == 0 || along == rows - 1);
-        for texel in (0..rows * rows).filter(is_border) {
-            let square = (Vec2::new((texel % rows) as f32, (texel / rows) as f32) - 0.5) / self.side as f32;
+        for (texel, square) in border(self.side).filter(|_| !others.is_empty()) {
             let point = patch.point(square);
             let found = others.iter().map(|(other, texture)| (other.square_of(point), texture));
-            let within = |square: Vec2| square.min_element() >= 0.0 && square.max_element() <= 1.0;
-            if let Some((square, texture)) = found.into_iter().find(|(square, _)| within(*square)) {
+            if let Some((square, texture)) = found.into_iter().find(|(square, _)| is_within(*square)) {
                 let first = texel as usize * self.cells.len();
                 bordered.radiance[first..first + self.cells.len()].copy_from_slice(&texture.at(square));
             }
@@ -113,6 +111,50 @@ impl PatchTexture {
         }
         sums
     }
+}
+
+/// Texels along an edge of a patch in whose border a wall is looked for.
+const LOOKED_AT: u32 = 8;
+
+/// For each patch the others that continue it: in its plane, with light of the same cells of directions, and with no wall between.
+pub fn neighbors(patches: &[ReflectingPatch], basis: &RadianceBasis, rays: &Intersector, offset: f32) -> Vec<Vec<u32>> {
+    let mut is_lit = vec![false; patches.len()];
+    basis.functions().iter().for_each(|function| is_lit[function.patch as usize] = true);
+    let continues = |own: usize, other: usize| {
+        let [own_patch, other_patch] = [own, other].map(|index| &patches[index]);
+        own != other
+            && is_lit[other]
+            && own_patch.cells == other_patch.cells
+            && other_patch.patch.continues(&own_patch.patch, own_patch.cells.len() > 1)
+            && is_open(&own_patch.patch, &other_patch.patch, rays, offset)
+    };
+    let of_patch = |own: usize| (0..patches.len()).filter(|&other| continues(own, other)).map(|i| i as u32).collect();
+    (0..patches.len()).into_par_iter().map(of_patch).collect()
+}
+
+/// Whether two patches of a plane touch, with nothing that stands on their common edge.
+fn is_open(patch: &Patch, other: &Patch, rays: &Intersector, offset: f32) -> bool {
+    let above = patch.normal() * offset;
+    let mut touching =
+        border(LOOKED_AT).filter(|(_, square)| is_within(other.square_of(patch.point(*square)))).peekable();
+    let is_free = |(_, square): (u32, Vec2)| {
+        let inside = square.clamp(Vec2::splat(0.5 / LOOKED_AT as f32), Vec2::splat(1.0 - 0.5 / LOOKED_AT as f32));
+        let (from, to) = (patch.point(inside), patch.point(square));
+        !rays.occluded_before(from + above, (to - from).normalize(), from.distance(to))
+    };
+    touching.peek().is_some() && touching.all(is_free)
+}
+
+/// Texels of the border around a grid, with the places of their centers beside the unit square.
+fn border(side: u32) -> impl Iterator<Item = (u32, Vec2)> {
+    let rows = side + 2;
+    let is_border = move |i: &u32| [i % rows, i / rows].iter().any(|&along| along == 0 || along == rows - 1);
+    let center = move |i: u32| (Vec2::new((i % rows) as f32, (i / rows) as f32) - 0.5) / side as f32;
+    (0..rows * rows).filter(is_border).map(move |i| (i, center(i)))
+}
+
+fn is_within(square: Vec2) -> bool {
+    square.min_element() >= 0.0 && square.max_element() <= 1.0
 }
 
 /// Texels with a border that repeats the outermost ones.
@@ -170,8 +212,14 @@ mod tests {
         let of = |patch: u32| RadianceFunction { patch, space: Function::CONSTANT, angle: Function::CONSTANT };
         let coefficient = |patch| TransportCoefficient { receiver: of(patch), sender: of(patch), value: Vec3::ONE };
         let (basis, _) = Operator::of((0..3).map(coefficient).collect());
+        let (without, _) = Operator::of([0, 2].map(coefficient).into());
         let coefficients = [1.0, 3.0, 9.0].map(|radiance| Vec3::splat(radiance * PI.sqrt()));
-        let textures = PatchTexture::all(&patches, &basis, &coefficients);
+        let of_walls = |walls: &[[Vec3; 3]]| {
+            let rays = Intersector::new(&scene_of(&[walls, &floor(9.0, -1.0)].concat()).mesh);
+            let neighbors = neighbors(&patches, &basis, &rays, 1e-4);
+            PatchTexture::all(&patches, &neighbors, &basis, &coefficients)
+        };
+        let textures = of_walls(&[]);
         let at = |patch: usize, x: f32| {
             let square = patches[patch].patch.square_of(Vec3::new(x, 0.0, 0.5));
             textures[patch].at(square)[0].x
@@ -183,6 +231,12 @@ mod tests {
         );
         assert!((at(0, 0.0) - 1.0).abs() < 1e-4, "no other at its free edge");
         assert!((at(1, 2.0) - 3.0).abs() < 1e-4, "negative control: the step does not continue it");
+        let rays = Intersector::new(&scene_of(&floor(9.0, -1.0)).mesh);
+        let of_all = |basis| neighbors(&patches, basis, &rays, 1e-4);
+        assert_eq!((of_all(&basis)[0].len(), of_all(&without)[0].len()), (1, 0), "a hidden one has no light");
+        let wall = quad(Vec3::X, Vec3::X + Vec3::Z, Vec3::new(1.0, 1.0, 1.0), Vec3::new(1.0, 1.0, 0.0));
+        let behind = of_walls(&wall)[0].at(patches[0].patch.square_of(Vec3::new(1.0, 0.0, 0.5)))[0].x;
+        assert!((behind - 1.0).abs() < 1e-4, "a wall between them: {behind}");
     }
 
     #[test]
@@ -207,14 +261,14 @@ mod tests {
             coefficients[basis.index_of(&of(*functions)).unwrap() as usize] = *value;
         }
         let patches = [ground];
-        let texture = &PatchTexture::all(&patches, &basis, &coefficients)[0];
+        let texture = &PatchTexture::all(&patches, &[Vec::new()], &basis, &coefficients)[0];
         let cell = 3 + 4;
         let within = texture.at(Vec2::new(0.75, 0.25));
         assert!((within[cell].x - 3.0).abs() < 1e-4 && (within[0].x - 1.0).abs() < 1e-4, "{within:?}");
         assert!((texture.at(Vec2::new(0.25, 0.25))[cell].x - 1.0).abs() < 1e-4);
         let between = texture.at(Vec2::new(0.5, 0.25))[cell].x;
         assert!((between - 2.0).abs() < 1e-4, "half way between two texels: {between}");
-        let dark = PatchTexture::all(&patches, &basis, &vec![Vec3::ZERO; coefficients.len()]);
+        let dark = PatchTexture::all(&patches, &[Vec::new()], &basis, &vec![Vec3::ZERO; coefficients.len()]);
         assert_ne!(&dark[0], texture, "negative control");
     }
 }

@@ -27,7 +27,6 @@ pub struct ReflectingPatch {
 /// Largest relative error of a BRDF that is taken as constant in cells of directions, as root mean square. So 8 x 8 cells hold lobes from
 /// a GGX alpha of 0.2 on (0.42). With 0.25, alpha 0.3 had 16 x 16, and one bounce of a glossy room took minutes.
 const CELL_ERROR: f32 = 0.45;
-const FINEST: usize = ReflectingPatch::MOST_CELLS_ALONG;
 /// Cosines of the directions toward the eye at which a BRDF is examined.
 const EXAMINED: [f32; 3] = [0.95, 0.7, 0.45];
 /// Smallest cosine of an incident direction, against a division by zero at the horizon.
@@ -100,20 +99,24 @@ fn by_cells(brdf: &SurfaceBrdf, cells: HemisphereCells, wo: Vec3, place: Vec2) -
 
 /// The fewest cells with at most [`CELL_ERROR`].
 fn resolving(brdf: &SurfaceBrdf) -> HemisphereCells {
-    let finest = HemisphereCells { side: FINEST };
+    let finest = HemisphereCells { side: ReflectingPatch::MOST_CELLS_ALONG };
     let values = EXAMINED.map(|cosine| {
         let wo = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
         by_cells(brdf, finest, wo, Vec2::splat(0.5))
     });
     let is_resolved = |side: usize| values.iter().all(|values| error_in_cells(values, side) <= CELL_ERROR);
-    let side = (0..FINEST.ilog2()).map(|level| 1 << level).find(|&side| is_resolved(side)).unwrap_or(FINEST);
+    let side = (0..ReflectingPatch::MOST_CELLS_ALONG.ilog2())
+        .map(|level| 1 << level)
+        .find(|&side| is_resolved(side))
+        .unwrap_or(ReflectingPatch::MOST_CELLS_ALONG);
     HemisphereCells { side }
 }
 
 /// Relative root mean square error of values on the finest grid, if each is replaced by the mean over its cell of a grid of `side`.
 fn error_in_cells(values: &[Vec3], side: usize) -> f32 {
-    let size = FINEST / side;
-    let cell = |i: usize| (i / FINEST / size) * side + i % FINEST / size;
+    let size = ReflectingPatch::MOST_CELLS_ALONG / side;
+    let cell =
+        |i: usize| (i / ReflectingPatch::MOST_CELLS_ALONG / size) * side + i % ReflectingPatch::MOST_CELLS_ALONG / size;
     let mut means = vec![Vec3::ZERO; side * side];
     values.iter().enumerate().for_each(|(i, value)| means[cell(i)] += *value / (size * size) as f32);
     let squared = |value: Vec3| value.length_squared();
@@ -144,7 +147,7 @@ mod tests {
         let side = |model, parameters: &[_]| patch(model, parameters, 0.7).cells.side;
         assert_eq!(side(BrdfModel::Lambert, &[]), 1);
         assert_eq!(side(BrdfModel::Ggx, &[("roughness", 1.0), ("metalness", 0.0)]), 1, "rough paint");
-        assert_eq!(side(BrdfModel::Ggx, &[("roughness", 0.15), ("metalness", 1.0)]), FINEST);
+        assert_eq!(side(BrdfModel::Ggx, &[("roughness", 0.15), ("metalness", 1.0)]), ReflectingPatch::MOST_CELLS_ALONG);
         let between = side(BrdfModel::Ggx, &[("roughness", 0.55), ("metalness", 1.0)]);
         assert_eq!(between, 8, "alpha 0.3");
     }

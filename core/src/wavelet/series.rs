@@ -1,6 +1,11 @@
 //! All bounces as one matrix: the Neumann series of transport, `G = I + T + T² + …` (wavelet paper, 4.4).
+//!
+//! Each column of a power follows from the same column of the power before, so senders are independent.
 
 use super::operator::Operator;
+use glam::Vec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 /// Most powers in the series.
 pub const MOST_POWERS: usize = 10;
@@ -17,16 +22,48 @@ pub struct GlobalTransport {
 impl GlobalTransport {
     /// Adds powers of `transport`, each without the coefficients up to `threshold`, until none is left or [`MOST_POWERS`] are there.
     pub fn of(transport: &Operator, threshold: f32) -> Self {
-        let compressed = transport.compressed(threshold);
-        let mut all = Self { operator: Operator::identity(transport.functions()), coefficients: Vec::new() };
-        let mut power = compressed.clone();
-        while !power.is_empty() && all.coefficients.len() < MOST_POWERS {
-            all.operator = all.operator.plus(&power);
-            all.coefficients.push(power.len());
-            // The sparser matrix goes first; powers of one matrix commute.
-            power = compressed.after(&power, threshold);
+        Self::of_while(transport, threshold, &|| true).expect("nothing ends it")
+    }
+
+    /// [`Self::of`] as long as `goes_on`, which is asked before each sender.
+    pub fn of_while(transport: &Operator, threshold: f32, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
+        let transport = transport.compressed(threshold);
+        let column = |sender: usize| goes_on().then(|| Column::of(&transport, sender, threshold));
+        let columns: Option<Vec<Column>> = (0..transport.functions()).into_par_iter().map(column).collect();
+        let columns = columns?;
+        let mut coefficients: Vec<usize> =
+            (0..MOST_POWERS).map(|power| columns.iter().filter_map(|column| column.powers.get(power)).sum()).collect();
+        coefficients.truncate(coefficients.iter().position(|&count| count == 0).unwrap_or(MOST_POWERS));
+        let operator = Operator::of_columns(columns.into_iter().map(|column| column.sum).collect());
+        Some(Self { operator, coefficients })
+    }
+}
+
+/// All bounces of the light of a sender.
+pub struct Column {
+    /// Receivers and coefficients, in ascending order.
+    pub sum: Vec<(u32, Vec3)>,
+    /// Coefficients of each power, from the first on.
+    powers: Vec<usize>,
+}
+
+impl Column {
+    /// That of a sender, by one bounce that is compressed with the same threshold.
+    pub fn of(transport: &Operator, sender: usize, threshold: f32) -> Self {
+        let mut sums = FxHashMap::from_iter([(sender as u32, Vec3::ONE)]);
+        let mut power = vec![(sender as u32, Vec3::ONE)];
+        let mut powers = Vec::new();
+        while powers.len() < MOST_POWERS {
+            power = transport.after_column(&power, threshold);
+            if power.is_empty() {
+                break;
+            }
+            powers.push(power.len());
+            power.iter().for_each(|(receiver, value)| *sums.entry(*receiver).or_insert(Vec3::ZERO) += *value);
         }
-        all
+        let mut sum: Vec<_> = sums.into_iter().collect();
+        sum.sort_unstable_by_key(|(receiver, _)| *receiver);
+        Self { sum, powers }
     }
 }
 

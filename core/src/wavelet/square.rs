@@ -106,6 +106,12 @@ impl Function {
         if is_path && Self(bits).support().level() <= Node::DEEPEST { Some(Self(bits)) } else { None }
     }
 
+    /// Whether it belongs to the basis with this many halvings: the constant, or a wavelet on a node that is halved.
+    pub const fn is_in_basis(self, levels: u32) -> bool {
+        let is_smooth = self.0.is_multiple_of(4);
+        if is_smooth { self.0 == Self::CONSTANT.0 } else { self.support().level() < levels }
+    }
+
     /// The node on which it is not zero.
     pub const fn support(self) -> Node {
         Node(self.0 / 4)

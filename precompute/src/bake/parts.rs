@@ -4,7 +4,7 @@ mod environment;
 mod meshless;
 mod object_bases;
 mod sources;
-mod wavelet;
+pub mod wavelet;
 
 use super::{clock::Clock, phases::bounces::Bouncing};
 use crate::{

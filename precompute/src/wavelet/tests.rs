@@ -3,11 +3,12 @@
 use super::*;
 use crate::{
     bake::{
-        BakeJob, bake,
+        BakeJob, bake, bake_shard, merge,
         settings::{Preset, resolve},
         update::update,
     },
     observer::Silent,
+    shard::Shard,
     test_scenes::{floor, quad, scene_of},
     verify,
 };
@@ -18,6 +19,7 @@ use lapidary_core::{
         Object,
         pose::{Pose, Poses},
     },
+    texture::{Texels, Texture, TextureSlot},
     wavelet::patch::patch_of_triangles,
 };
 
@@ -74,6 +76,10 @@ fn a_bake_has_the_transport_of_its_quads_and_verify_finds_another_one() {
     changed.direct = changed.direct.plus(&lapidary_core::wavelet::operator::Operator::identity(report.functions));
     dataset.wavelet = Some(changed.into());
     assert!(!verify(&dataset, 100).passed, "negative control");
+    let mut changed = (*transport).clone();
+    changed.global = changed.global.plus(&lapidary_core::wavelet::operator::Operator::identity(report.functions));
+    dataset.wavelet = Some(changed.into());
+    assert!(!verify(&dataset, 100).passed, "negative control: all bounces");
 }
 
 #[test]
@@ -82,6 +88,29 @@ fn a_scene_of_other_surfaces_is_refused_with_the_triangle() {
     triangles.push([Vec3::Y, Vec3::Y + Vec3::X, Vec3::Y + Vec3::Z]);
     let text = baked(scene_of(&triangles)).unwrap_err().to_string();
     assert!(text.contains("triangle 2") && text.contains("leave wavelet transport out with mode"), "{text}");
+}
+
+#[test]
+fn shares_have_it_and_maps_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = BakeJob::new(resolve(settings()).unwrap(), folder.path().join("a.cuts"));
+    let mut scene = floor_and_ceiling(1.0);
+    scene.textures = vec![Texture::new("map", [1, 1], Texels::U8(vec![[9; 4]])).into()];
+    scene.materials[0].maps.set("base_color", Some(TextureSlot::default()));
+    for shard in Shard::all(2) {
+        bake_shard(scene.clone(), &job, shard, None, &Silent).unwrap();
+    }
+    let merged = merge(&job.output, lapidary_interchange::image::decode, &Silent).unwrap();
+    let whole = bake(scene, &job, &Silent).unwrap();
+    assert_eq!(merged.report.wavelet, whole.report.wavelet);
+    assert!(difference(&merged, &whole) < 1e-6);
+    assert!(
+        whole.report.warnings.iter().any(|warning| warning.contains("reads no maps")),
+        "{:?}",
+        whole.report.warnings
+    );
+    let plain = baked(floor_and_ceiling(1.0)).unwrap().report.warnings;
+    assert!(!plain.iter().any(|warning| warning.contains("reads no maps")), "negative control: {plain:?}");
 }
 
 #[test]

@@ -85,9 +85,14 @@ impl Functions {
         };
         let functions: Vec<_> = basis.points().iter().map(function).collect();
         Ok(Self {
-            slots: within_limits(gpu, "cells of the meshless basis", basis.grid().slots())?,
-            entries: within_limits(gpu, "entries of the meshless basis", basis.grid().entries())?,
-            functions: within_limits(gpu, "functions of the meshless basis", &functions)?,
+            slots: within_limits(gpu, "cells of the meshless basis", basis.grid().slots(), Remedy::FewerFunctions)?,
+            entries: within_limits(
+                gpu,
+                "entries of the meshless basis",
+                basis.grid().entries(),
+                Remedy::FewerFunctions,
+            )?,
+            functions: within_limits(gpu, "functions of the meshless basis", &functions, Remedy::FewerFunctions)?,
             places: places(gpu, light.as_baked().map(|vertices| &**vertices)),
         })
     }
@@ -110,7 +115,7 @@ fn places(gpu: &GpuDevice, as_baked: Option<&VerticesAsBaked>) -> wgpu::TextureV
 fn coefficients(gpu: &GpuDevice, coefficients: &[Mat3A]) -> Result<wgpu::Buffer, BackendError> {
     let padded = |v: &Mat3A| layout::Coefficient { vector: v.to_cols_array_2d().map(|[x, y, z]| [x, y, z, 0.0]) };
     let contents: Vec<_> = coefficients.iter().map(padded).collect();
-    within_limits(gpu, "coefficients of the meshless basis", &contents)
+    within_limits(gpu, "coefficients of the meshless basis", &contents, Remedy::FewerFunctions)
 }
 
 /// A buffer that holds at least one element, because it cannot be empty.
@@ -118,10 +123,11 @@ pub(super) fn within_limits<T: NoUninit + Zeroable>(
     gpu: &GpuDevice,
     what: &'static str,
     contents: &[T],
+    remedy: Remedy,
 ) -> Result<wgpu::Buffer, BackendError> {
     let one = [T::zeroed()];
     let bytes: &[u8] = bytemuck::cast_slice(if contents.is_empty() { &one } else { contents });
-    gpu.within(what, "bytes", bytes.len() as u64, gpu.max_storage_bytes(), Remedy::FewerFunctions)?;
+    gpu.within(what, "bytes", bytes.len() as u64, gpu.max_storage_bytes(), remedy)?;
     Ok(storage(gpu, what, bytes))
 }
 

@@ -5,7 +5,8 @@ use super::{groups, meshless::within_limits};
 use crate::{
     device::{GpuDevice, layout},
     error::BackendError,
-    light::bounce::PatchLight,
+    light::bounce::{PatchLight, Quads},
+    remedy::Remedy,
 };
 use glam::Vec3;
 use lapidary_core::wavelet::{patch::Patch, picture::PatchTexture};
@@ -13,12 +14,16 @@ use std::sync::Arc;
 
 /// The light of quads as it was last shown.
 #[derive(Default)]
-pub struct GpuPatches(Option<(Arc<PatchLight>, wgpu::BindGroup)>);
+pub struct GpuPatches {
+    /// The quad of each triangle.
+    of_triangles: Option<(Arc<Quads>, wgpu::Buffer)>,
+    light: Option<(Arc<PatchLight>, wgpu::BindGroup)>,
+}
 
 impl GpuPatches {
     /// Forgets the light, for light that is not shown.
     pub fn forget_light(&mut self) {
-        self.0 = None;
+        self.light = None;
     }
 
     /// Uploads missing data, and binds what the pass reads.
@@ -26,13 +31,30 @@ impl GpuPatches {
     /// # Errors
     /// Radiance beyond the adapter's limits.
     pub fn bound(&mut self, gpu: &GpuDevice, light: &Arc<PatchLight>) -> Result<wgpu::BindGroup, BackendError> {
-        let known = self.0.take().filter(|(known, _)| Arc::ptr_eq(known, light));
-        let (_, bound) = self.0.insert(known.map_or_else(|| Ok((light.clone(), uploaded(gpu, light)?)), Ok)?);
-        Ok(bound.clone())
+        if let Some((_, bound)) = self.light.as_ref().filter(|(known, _)| Arc::ptr_eq(known, light)) {
+            return Ok(bound.clone());
+        }
+        let bound = uploaded(gpu, light, self.of_triangles(gpu, light.quads())?)?;
+        self.light = Some((light.clone(), bound.clone()));
+        Ok(bound)
+    }
+
+    fn of_triangles(&mut self, gpu: &GpuDevice, quads: &Arc<Quads>) -> Result<&wgpu::Buffer, BackendError> {
+        let known = self.of_triangles.take().filter(|(known, _)| Arc::ptr_eq(known, quads));
+        let make = || {
+            let quad_or_none: Vec<u32> = quads.of_triangles.iter().map(|quad| quad.unwrap_or(u32::MAX)).collect();
+            let what = "triangles of the wavelet transport";
+            Ok((quads.clone(), within_limits(gpu, what, &quad_or_none, Remedy::FewerVertices)?))
+        };
+        Ok(&self.of_triangles.insert(known.map_or_else(make, Ok)?).1)
     }
 }
 
-fn uploaded(gpu: &GpuDevice, light: &PatchLight) -> Result<wgpu::BindGroup, BackendError> {
+fn uploaded(
+    gpu: &GpuDevice,
+    light: &PatchLight,
+    quad_of_triangles: &wgpu::Buffer,
+) -> Result<wgpu::BindGroup, BackendError> {
     let mut first = 0;
     let quad = |(patch, texture): (&Patch, &PatchTexture)| {
         let quad = quad(patch, texture, first);
@@ -40,12 +62,10 @@ fn uploaded(gpu: &GpuDevice, light: &PatchLight) -> Result<wgpu::BindGroup, Back
         quad
     };
     let quads: Vec<_> = light.quads().patches.iter().zip(light.textures()).map(quad).collect();
-    let of_triangles: Vec<u32> = light.quads().of_triangles.iter().map(|quad| quad.unwrap_or(u32::MAX)).collect();
     let texels = light.textures().iter().flat_map(PatchTexture::radiance);
     let radiance: Vec<[f32; 4]> = texels.map(|radiance| radiance.extend(0.0).to_array()).collect();
-    let quads = &within_limits(gpu, "quads of the wavelet transport", &quads)?;
-    let quad_of_triangles = &within_limits(gpu, "triangles of the wavelet transport", &of_triangles)?;
-    let radiance = &within_limits(gpu, "radiance of the wavelet transport", &radiance)?;
+    let quads = &within_limits(gpu, "quads of the wavelet transport", &quads, Remedy::Cpu)?;
+    let radiance = &within_limits(gpu, "radiance of the wavelet transport", &radiance, Remedy::Cpu)?;
     Ok(groups::QuadLight { quads, quad_of_triangles, radiance }.bind(gpu))
 }
 

@@ -30,7 +30,7 @@ pub use meshless::{
     functions::{MeshlessLight, VerticesAsBaked},
 };
 pub use radiosity::{RadiosityRays, RadiosityRig};
-pub use wavelet::{PatchLight, WaveletRig};
+pub use wavelet::{PatchLight, Quads, WaveletRig};
 
 /// Samples of an area light along each of its sides, at each part of a source.
 const AREA_SAMPLES: u32 = 2;

@@ -10,7 +10,7 @@ pub struct Wavelet;
 /// Options of wavelet transport.
 #[derive(Args, Clone, Debug)]
 pub struct WaveletOptions {
-    /// Coefficients of wavelet transport up to this are left out, 0 to 1; smaller is finer [default: from the preset: 1e-4, draft
+    /// Coefficients of wavelet transport up to this are left out, 1e-6 to 1; smaller is finer [default: from the preset: 1e-4, draft
     /// 1e-3]
     #[arg(long, value_name = "T")]
     tau: Option<f32>,
@@ -46,7 +46,7 @@ impl StudiedPart for Wavelet {
         draft.wavelet.compression = draft.wavelet.compression.max(wanted.wavelet.compression);
     }
 
-    /// One bounce takes most of the time, and is as fine in a draft.
+    /// Refinement takes most of the time, and is as fine in a draft.
     fn is_sooner(&self, _draft: &BakeSettings, _wanted: &BakeSettings) -> bool {
         false
     }

@@ -3,7 +3,7 @@
 use super::BakeContext;
 use crate::bake::parts::{self, Cost};
 use lapidary_core::dataset::{BakeReport, BakeSettings};
-use lapidary_precompute::{BounceTrial, POINTS_PER_VERTEX, Trial, most_vertices};
+use lapidary_precompute::{BounceTrial, POINTS_PER_VERTEX, Stored, Trial, most_vertices};
 
 /// Core seconds per vertex, where no trial has measured them: placing vertices where visibility varies, and all else before the
 /// light tree.
@@ -72,7 +72,7 @@ impl<'a> Speed<'a> {
     /// Seconds until the vertices are placed.
     fn tessellation(&self, settings: &BakeSettings, vertices: f64) -> f64 {
         let of_trial = |trial: Trial| POINTS_PER_VERTEX as f64 * trial.core_secs_per_split;
-        let splits = settings.max_vertices > self.source_vertices;
+        let splits = Stored::of(settings.mode).is_some() && settings.max_vertices > self.source_vertices;
         let placed = if splits { self.trial.map_or(TESSELLATION[0], of_trial) } else { 0.0 };
         vertices * (placed + TESSELLATION[1]) / self.cores as f64
     }
@@ -128,9 +128,9 @@ mod tests {
         let cost = |mode| speed(None).estimate(&BakeSettings { mode, ..settings.clone() }).unwrap();
         let parts = [BakeParts::CUTS, BakeParts::MESHLESS].map(cost);
         let all = cost(BakeParts::ALL);
-        // Vertices are placed once.
-        let placed = 1e5 * 3e-4 / 2.0;
-        assert!((all.secs + placed - parts.iter().map(|p| p.secs).sum::<f64>()).abs() < 1e-6);
+        // Vertices are placed once, and a basis asks for none.
+        let (placed, long_edges) = (1e5 * 3e-4 / 2.0, 1e5 * 5e-5 / 2.0);
+        assert!((all.secs + long_edges - parts.iter().map(|p| p.secs).sum::<f64>()).abs() < 1e-6);
         assert!(all.bytes.abs_diff(parts.iter().map(|p| p.bytes).sum()) < 4);
         assert!(parts.iter().all(|part| part.secs < all.secs && part.bytes < all.bytes && part.bytes > 0));
         let [environment, indirect] = [BakeParts::ENVIRONMENT, BakeParts::INDIRECT].map(cost);

@@ -13,8 +13,8 @@ use egui::Ui;
 use lapidary_core::dataset::{BakeParts, BakeReport, BakeSettings, WaveletSettings};
 use lapidary_precompute::Phase;
 
-/// Core seconds and bytes of the maze of 59 quads. The quads of a scene are not known before its bake.
-const OF_THE_MAZE: (f64, f64) = (60.0, 40e6);
+/// Core seconds, bytes and quads of the maze. All grows with the pairs of quads.
+const OF_THE_MAZE: (f64, f64, f64) = (60.0, 40e6, 59.0);
 
 /// The entry.
 pub struct Wavelet;
@@ -24,7 +24,7 @@ impl PartOfPanel for Wavelet {
         let help =
             "Leaves out how light goes from quad to quad below this. Smaller is more accurate and takes more memory.";
         let default = f64::from(WaveletSettings::default().compression);
-        let tau = Decades { decimals: 6, ..Decades::count("Wavelet threshold", help, 0.0..=1.0, default) };
+        let tau = Decades { decimals: 6, ..Decades::count("Wavelet threshold", help, 1e-6..=1.0, default) };
         bake_row(actions, "Wavelet threshold", bake, |b| decades_row(ui, &tau, &mut b.wavelet.compression));
     }
 
@@ -37,9 +37,11 @@ impl PartOfPanel for Wavelet {
         vec![(Phase::Wavelet, "Wavelet transport", "Following light from quad to quad, by direction.")]
     }
 
+    /// A quad has four vertices of its own.
     fn cost(&self, speed: &Speed, _settings: &BakeSettings, _vertices: f64) -> Cost {
-        let (core_secs, bytes) = OF_THE_MAZE;
-        Cost { secs: core_secs / speed.cores as f64, bytes }
+        let (core_secs, bytes, quads) = OF_THE_MAZE;
+        let pairs = speed.source_vertices.map_or(1.0, |vertices| (vertices as f64 / 4.0 / quads).powi(2));
+        Cost { secs: pairs * core_secs / speed.cores as f64, bytes: pairs * bytes }
     }
 
     fn rows(&self, report: &BakeReport, _settings: &BakeSettings) -> Vec<Row> {

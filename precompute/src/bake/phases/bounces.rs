@@ -5,7 +5,7 @@ use crate::{
     bake::{
         checkpoint::Checkpoint,
         clock::Clock,
-        parts::{self, Put},
+        parts::{self, Put, wavelet::Quads},
         settings::ResolvedBake,
     },
     errors::BakeError,
@@ -16,8 +16,7 @@ use crate::{
 };
 use glam::Vec3;
 use lapidary_core::{
-    camera::Camera, light_tree::LightTree, mesh_surface::MeshSurface, scene::Scene, surfel::Surfel,
-    wavelet::reflecting::ReflectingPatch,
+    camera::Camera, dataset::BakeParts, light_tree::LightTree, mesh_surface::MeshSurface, scene::Scene, surfel::Surfel,
 };
 
 /// Largest share of directions around a viewpoint that may miss the scene without a warning: in a court without a roof a third do.
@@ -30,10 +29,9 @@ const MOST_REFLECTANCE: f32 = 0.95;
 /// Inputs of the parts that bounce light.
 pub struct Bouncing<'a> {
     pub geometry: &'a Geometry,
-    /// The quads of the scene, if wavelet transport is baked.
-    pub patches: &'a [ReflectingPatch],
+    pub quads: &'a Quads,
     pub surface: &'a MeshSurface<'a>,
-    /// See [`find_viewpoint`].
+    /// See [`find_viewpoint`]; the origin if no part asks for one.
     pub viewpoint: Vec3,
     pub tree: &'a LightTree,
     pub settings: &'a ResolvedBake,
@@ -44,7 +42,7 @@ pub struct Bouncing<'a> {
 /// Bakes the parts beyond the environment.
 pub fn bake_bounces(
     geometry: &Geometry,
-    patches: &[ReflectingPatch],
+    quads: &Quads,
     tree: &LightTree,
     settings: &ResolvedBake,
     tracing: Tracing,
@@ -57,8 +55,13 @@ pub fn bake_bounces(
     // Reflectance is not baked, so that materials can change.
     let black = |_: &_| Vec3::ZERO;
     let surface = MeshSurface::new(&geometry.scene.mesh, &geometry.intersector, &geometry.sides.two_sided, &black);
-    let viewpoint = viewpoint(&surface, &geometry.scene, settings, clock.observer)?;
-    let bouncing = Bouncing { geometry, patches, surface: &surface, viewpoint, tree, settings, tracing, checkpoint };
+    // Quads are lit wherever they are.
+    let has_viewpoint = settings.mode.without(BakeParts::ENVIRONMENT.with(BakeParts::WAVELET)) != BakeParts::NONE;
+    let viewpoint = match has_viewpoint {
+        true => viewpoint(&surface, &geometry.scene, settings, clock.observer)?,
+        false => Vec3::ZERO,
+    };
+    let bouncing = Bouncing { geometry, quads, surface: &surface, viewpoint, tree, settings, tracing, checkpoint };
     parts::of(settings.mode).map(|part| part.bake(&bouncing, clock)).collect()
 }
 

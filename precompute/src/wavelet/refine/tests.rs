@@ -192,7 +192,8 @@ fn glossy() -> SurfaceBrdf {
 fn light_arrives_at_a_glossy_wall_from_where_the_floor_is() {
     let found = Transported::new(&corner(), &[&diffuse(0.5), &glossy()]);
     let light = found.operator.apply(&found.light_from(0, Node::ROOT));
-    let arriving = &PatchTexture::all(&found.reflecting, &found.basis, &light)[1];
+    let arriving =
+        &PatchTexture::all(&found.reflecting, &vec![Vec::new(); found.reflecting.len()], &found.basis, &light)[1];
     let place = Vec2::new(0.4, 0.3);
     let (wall, cells) = (&found.reflecting[1], found.reflecting[1].cells);
     let radiance = arriving.at(place);

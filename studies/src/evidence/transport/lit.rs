@@ -14,7 +14,7 @@ use lapidary_core::{
         WaveletTransport,
         direct::DirectProjection,
         patch::{Patch, patch_of_triangles},
-        picture::PatchTexture,
+        picture::{PatchTexture, neighbors},
         reflecting::ReflectingPatch,
         series::{GlobalTransport, MOST_POWERS},
     },
@@ -40,6 +40,8 @@ pub struct LitQuads<'a> {
     dataset: &'a Arc<Dataset>,
     /// The patch of each triangle.
     patch_of: Vec<Option<u32>>,
+    /// The patches that continue each.
+    neighbors: Vec<Vec<u32>>,
 }
 
 impl<'a> LitQuads<'a> {
@@ -67,6 +69,7 @@ impl<'a> LitQuads<'a> {
         let start = Instant::now();
         let global = GlobalTransport::of(&direct, settings.compression);
         let precompute = [of_direct, start.elapsed()];
+        let neighbors = neighbors(&patches, &basis, &rays, offset);
         let transport = WaveletTransport { patches, basis, direct, global: global.operator };
         let look = measurement.bounced(dataset, Solution::Meshless);
         Ok(Some(Self {
@@ -79,6 +82,7 @@ impl<'a> LitQuads<'a> {
             look,
             dataset,
             patch_of,
+            neighbors,
         }))
     }
 
@@ -92,7 +96,7 @@ impl<'a> LitQuads<'a> {
 
     /// Textures of light.
     pub fn textures(&self, light: &[Vec3]) -> Vec<PatchTexture> {
-        PatchTexture::all(&self.transport.patches, &self.transport.basis, light)
+        PatchTexture::all(&self.transport.patches, &self.neighbors, &self.transport.basis, light)
     }
 
     /// The picture of light that arrives on the patches.
