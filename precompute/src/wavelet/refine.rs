@@ -69,6 +69,9 @@ impl Default for TransportSettings {
     }
 }
 
+/// Halvings of a receiver beyond its refinement, by form factors without rays.
+const SMOOTHED: u32 = 2;
+
 /// Parts of the transport between two patches that are almost constant: nodes of the receiver's places and directions, and of the
 /// sender's places; with the coefficient between their smooth functions. For each function of the sender's directions.
 type Blocks = BTreeMap<Function, Vec<([Node; 3], Vec3)>>;
@@ -169,14 +172,44 @@ impl Refining<'_> {
         let norm = (area(&to.patch, receiver) * area(&from.patch, sender)).sqrt() * to.cells.side as f32
             / from.cells.side as f32;
         let share = mean * norm / unblocked;
+        let parts = self.smooth_parts(receiver, sender);
         for (arrives, reflected) in self.arriving(samples) {
             let mut of_cells: Vec<_> = from.angles().zip(reflected.into_iter().map(|sum| sum * share)).collect();
             transform(&mut of_cells, |function, value| {
-                if self.settings.keeps(value) {
-                    blocks.entry(function).or_default().push(([receiver, arrives, sender], value));
+                for &(part, share) in &parts {
+                    if self.settings.keeps(value * share) {
+                        blocks.entry(function).or_default().push(([part, arrives, sender], value * share));
+                    }
                 }
             });
         }
+    }
+
+    /// Finer parts of a receiver, with their shares of its coefficient: by Lambert's form factors at their middles, while what is
+    /// blocked is alike everywhere. So light has no steps where rays saw none.
+    fn smooth_parts(&self, receiver: Node, sender: Node) -> Vec<(Node, f32)> {
+        let halvings = SMOOTHED.min(self.settings.levels - receiver.level());
+        let parts =
+            (0..halvings).fold(vec![receiver], |parts, _| parts.iter().flat_map(|part| part.children()).collect());
+        let corners = self.corners(sender);
+        let seen = |part: &Node| {
+            let at = self.pair.receiver.patch.point(part.point(Vec2::splat(0.5)));
+            form_factor::from_point(at, self.pair.receiver.patch.normal(), &corners).max(0.0)
+        };
+        let form_factors: Vec<f32> = parts.iter().map(seen).collect();
+        let mean = form_factors.iter().sum::<f32>() / parts.len() as f32;
+        if mean <= 0.0 {
+            return vec![(receiver, 1.0)];
+        }
+        // The smooth function of a part is higher than that of the whole.
+        let of_part = 0.5_f32.powi(halvings as i32) / mean;
+        parts.into_iter().zip(form_factors).map(|(part, seen)| (part, seen * of_part)).collect()
+    }
+
+    /// The corners of a part of the sender.
+    fn corners(&self, sender: Node) -> [Vec3; 4] {
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[x, y]| self.pair.sender.patch.point(sender.point(Vec2::new(x, y))))
     }
 
     /// For each of the receiver's cells of directions that light arrives in, the kernel by cells of the sender, summed over samples.
@@ -193,9 +226,7 @@ impl Refining<'_> {
 
     /// Mean form factor of a part of the sender from the sampled points of the receiver.
     fn mean_form_factor(&self, samples: &[KernelSample], sender: Node) -> f32 {
-        let Pair { receiver: to, sender: from, .. } = self.pair;
-        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-            .map(|[x, y]| from.patch.point(sender.point(Vec2::new(x, y))));
+        let (to, corners) = (&self.pair.receiver, self.corners(sender));
         // Seen from behind, it sends nothing.
         let of_sample =
             |sample: &KernelSample| form_factor::from_point(sample.at, to.patch.normal(), &corners).max(0.0);
