@@ -18,8 +18,9 @@ struct LitQuad {
 }
 
 const NO_QUAD: u32 = 0xffffffffu;
-// See LEAST_COSINE in render/src/light/bounce/wavelet.rs.
+// See LEAST_COSINE and LEAST_SIDE in render/src/light/bounce/wavelet.rs.
 const LEAST_CELL_COSINE: f32 = 1e-4;
+const LEAST_SIDE: u32 = 8u;
 
 @group(2) @binding(0) var<storage, read> quads: array<LitQuad>;
 @group(2) @binding(1) var<storage, read> quad_of_triangles: array<u32>;
@@ -46,15 +47,13 @@ fn reflected(point: SurfacePoint, index: u32) -> vec3<f32> {
     let quad = quads[index];
     let texels = texels_around(quad, point.position);
     let patch_from_local = transpose(quad.frame) * point.world_from_local;
-    let cells = quad.cells * quad.cells;
-    if cells == 1u {
-        return max(arriving(texels, 0u) * albedo_of(point.brdf), vec3(0.0));
-    }
+    let side = max(quad.cells, LEAST_SIDE);
+    let cells = side * side;
     // The integral of the cosine over a cell.
     let weight = 1.0 / (FRAC_1_PI * f32(cells));
     var sum = vec3(0.0);
     for (var cell = 0u; cell < cells; cell++) {
-        let wi = direction_of(cell, quad.cells);
+        let wi = direction_of(cell, side);
         let arrives = patch_from_local * wi;
         if arrives.z > 0.0 {
             let cos = max(wi.z, LEAST_CELL_COSINE);

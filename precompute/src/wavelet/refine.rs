@@ -6,7 +6,7 @@
 //!
 //! Departures: directions are as fine as the BRDF at once, since the paper refines them by the BRDF alone, and all samples of
 //! a pair of nodes serve all cells of directions. Pairs that touch get Lambert's form factor in place of the mean of a singular
-//! kernel; samples tell how much of it is blocked, and from where it comes.
+//! kernel; samples tell how much of it is blocked, and from where it comes. Both ends of what is left are made finer by form factors.
 
 use super::{
     form_factor,
@@ -69,8 +69,8 @@ impl Default for TransportSettings {
     }
 }
 
-/// Halvings of a receiver beyond its refinement, by form factors without rays.
-const SMOOTHED: u32 = 2;
+/// Halvings of receiver and sender beyond their refinement, by form factors without rays.
+const FINER: [u32; 2] = [2, 1];
 
 /// Parts of the transport between two patches that are almost constant: nodes of the receiver's places and directions, and of the
 /// sender's places; with the coefficient between their smooth functions. For each function of the sender's directions.
@@ -172,44 +172,32 @@ impl Refining<'_> {
         let norm = (area(&to.patch, receiver) * area(&from.patch, sender)).sqrt() * to.cells.side as f32
             / from.cells.side as f32;
         let share = mean * norm / unblocked;
-        let parts = self.smooth_parts(receiver, sender);
+        let (receivers, senders) = (self.finer_receivers(receiver, sender), self.finer_senders(receiver, sender));
         for (arrives, reflected) in self.arriving(samples) {
             let mut of_cells: Vec<_> = from.angles().zip(reflected.into_iter().map(|sum| sum * share)).collect();
             transform(&mut of_cells, |function, value| {
-                for &(part, share) in &parts {
-                    if self.settings.keeps(value * share) {
-                        blocks.entry(function).or_default().push(([part, arrives, sender], value * share));
+                let ends = receivers.iter().flat_map(|to| senders.iter().map(move |from| (to, from)));
+                for (&(receiver, to), &(sender, from)) in ends {
+                    if self.settings.keeps(value * (to * from)) {
+                        blocks.entry(function).or_default().push(([receiver, arrives, sender], value * (to * from)));
                     }
                 }
             });
         }
     }
 
-    /// Finer parts of a receiver, with their shares of its coefficient: by Lambert's form factors at their middles, while what is
-    /// blocked is alike everywhere. So light has no steps where rays saw none.
-    fn smooth_parts(&self, receiver: Node, sender: Node) -> Vec<(Node, f32)> {
-        let halvings = SMOOTHED.min(self.settings.levels - receiver.level());
-        let parts =
-            (0..halvings).fold(vec![receiver], |parts, _| parts.iter().flat_map(|part| part.children()).collect());
-        let corners = self.corners(sender);
-        let seen = |part: &Node| {
-            let at = self.pair.receiver.patch.point(part.point(Vec2::splat(0.5)));
-            form_factor::from_point(at, self.pair.receiver.patch.normal(), &corners).max(0.0)
-        };
-        let form_factors: Vec<f32> = parts.iter().map(seen).collect();
-        let mean = form_factors.iter().sum::<f32>() / parts.len() as f32;
-        if mean <= 0.0 {
-            return vec![(receiver, 1.0)];
-        }
-        // The smooth function of a part is higher than that of the whole.
-        let of_part = 0.5_f32.powi(halvings as i32) / mean;
-        parts.into_iter().zip(form_factors).map(|(part, seen)| (part, seen * of_part)).collect()
+    /// Receivers finer than a block, with their shares of its coefficient.
+    fn finer_receivers(&self, receiver: Node, sender: Node) -> Vec<(Node, f32)> {
+        let Pair { receiver: to, sender: from, .. } = self.pair;
+        let halvings = FINER[0].min(self.settings.levels - receiver.level());
+        finer(&to.patch, receiver, &corners(&from.patch, sender), halvings)
     }
 
-    /// The corners of a part of the sender.
-    fn corners(&self, sender: Node) -> [Vec3; 4] {
-        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-            .map(|[x, y]| self.pair.sender.patch.point(sender.point(Vec2::new(x, y))))
+    /// The same of senders.
+    fn finer_senders(&self, receiver: Node, sender: Node) -> Vec<(Node, f32)> {
+        let Pair { receiver: to, sender: from, .. } = self.pair;
+        let halvings = FINER[1].min(self.settings.levels - sender.level());
+        finer(&from.patch, sender, &corners(&to.patch, receiver), halvings)
     }
 
     /// For each of the receiver's cells of directions that light arrives in, the kernel by cells of the sender, summed over samples.
@@ -226,12 +214,33 @@ impl Refining<'_> {
 
     /// Mean form factor of a part of the sender from the sampled points of the receiver.
     fn mean_form_factor(&self, samples: &[KernelSample], sender: Node) -> f32 {
-        let (to, corners) = (&self.pair.receiver, self.corners(sender));
+        let (to, corners) = (&self.pair.receiver, corners(&self.pair.sender.patch, sender));
         // Seen from behind, it sends nothing.
         let of_sample =
             |sample: &KernelSample| form_factor::from_point(sample.at, to.patch.normal(), &corners).max(0.0);
         samples.iter().map(of_sample).sum::<f32>() / samples.len() as f32
     }
+}
+
+/// Finer parts of one end of a block, with their shares of its coefficient: by Lambert's form factors of the other end from their
+/// middles, while what is blocked is alike everywhere. So light has no steps where rays saw none.
+fn finer(patch: &Patch, node: Node, other: &[Vec3; 4], halvings: u32) -> Vec<(Node, f32)> {
+    let parts = (0..halvings).fold(vec![node], |parts, _| parts.iter().flat_map(|part| part.children()).collect());
+    let middle = |part: &Node| patch.point(part.point(Vec2::splat(0.5)));
+    let seen = |part: &Node| form_factor::from_point(middle(part), patch.normal(), other).max(0.0);
+    let form_factors: Vec<f32> = parts.iter().map(seen).collect();
+    let mean = form_factors.iter().sum::<f32>() / parts.len() as f32;
+    if mean <= 0.0 {
+        return vec![(node, 1.0)];
+    }
+    // The smooth function of a part is higher than that of the whole.
+    let of_part = 0.5_f32.powi(halvings as i32) / mean;
+    parts.into_iter().zip(form_factors).map(|(part, seen)| (part, seen * of_part)).collect()
+}
+
+/// The corners of a node of a patch.
+fn corners(patch: &Patch, node: Node) -> [Vec3; 4] {
+    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| patch.point(node.point(Vec2::new(x, y))))
 }
 
 /// Area of a node of a patch in m².

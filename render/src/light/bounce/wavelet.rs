@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     offset,
     simd::Vec3x8,
+    sphere::concentric::HemisphereCells,
     wavelet::{
         WaveletTransport,
         direct::DirectProjection,
@@ -24,6 +25,8 @@ use wide::f32x8;
 const DIRECT_LEVELS: u32 = 5;
 /// Smallest cosine of an incident direction, against a division by zero at the horizon.
 const LEAST_COSINE: f32 = 1e-4;
+/// Least cells along an edge of the hemisphere over which a BRDF is evaluated. A quad of the bake may have fewer.
+const LEAST_SIDE: usize = 8;
 /// Solid angle of a lobe of directions, times its concentration: that of a disc with the same mean cosine.
 const OF_LOBE: f32 = 4.0 * PI;
 
@@ -59,24 +62,20 @@ impl PatchLight {
     /// Radiance that a surface point reflects to the eye. Backs of quads get no light.
     ///
     /// The cells of directions are those of the quad's frame. The BRDF lives in the frame of the bumps, so its lobe turns with
-    /// them. Lobes are widened to the cells, for the material of now may be sharper than that of the bake. A quad with one cell
-    /// knows no directions, and the point reflects by its albedo.
+    /// them. Lobes are as wide as cells at least, for the material of now may be sharper than that of the bake.
     pub(crate) fn reflected(&self, point: &SurfacePoint) -> Vec3 {
         let quad = self.quads.of_triangles[point.triangle as usize].filter(|_| !point.from_behind);
         let Some(quad) = quad.map(|quad| quad as usize) else { return Vec3::ZERO };
         let (patch, texture) = (&self.quads.patches[quad], &self.textures[quad]);
         let arriving = texture.at(patch.square_of(point.position).clamp(Vec2::ZERO, Vec2::ONE));
         let (cells, patch_from_local) = (texture.cells(), patch.frame.transpose() * point.world_from_local);
-        if cells.len() == 1 {
-            return (arriving[0] * point.brdf.as_brdf().albedo()).max(Vec3::ZERO);
-        }
+        let looked_at = HemisphereCells { side: cells.side.max(LEAST_SIDE) };
         let mut sum = Vec3::ZERO;
-        for first in (0..cells.len()).step_by(8) {
-            let directions: [Vec3; 8] =
-                std::array::from_fn(|lane| cells.direction_of((first + lane).min(cells.len() - 1)));
-            let spread = directions.map(|wi| cells.weight() / (OF_LOBE * wi.z.max(LEAST_COSINE)));
+        for first in (0..looked_at.len()).step_by(8) {
+            let directions: [Vec3; 8] = std::array::from_fn(|lane| looked_at.direction_of(first + lane));
+            let spread = directions.map(|wi| looked_at.weight() / (OF_LOBE * wi.z.max(LEAST_COSINE)));
             let reflected = point.reflect(Vec3x8::from_array(directions), f32x8::new(spread));
-            for (lane, wi) in directions.iter().enumerate().take(cells.len() - first) {
+            for (lane, wi) in directions.iter().enumerate() {
                 let from = patch_from_local * *wi;
                 if from.z > 0.0 {
                     sum += arriving[cells.cell_of(from)] * reflected.lane(lane) / wi.z.max(LEAST_COSINE);
@@ -84,7 +83,7 @@ impl PatchLight {
             }
         }
         // Compressed light may be below zero.
-        (sum * cells.weight()).max(Vec3::ZERO)
+        (sum * looked_at.weight()).max(Vec3::ZERO)
     }
 }
 
@@ -144,7 +143,6 @@ mod tests {
     use lapidary_core::{
         brdf::GgxParameters,
         material::BrdfModel,
-        sphere::concentric::HemisphereCells,
         wavelet::{
             operator::{Operator, RadianceFunction, TransportCoefficient},
             reflecting::ReflectingPatch,
