@@ -225,6 +225,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ),
         ("Cell", shape!(lapidary_core::meshless::Cell, place, level, first, count, padding)),
         ("BasisFunction", shape!(layout::BasisFunction, position, normal)),
+        ("LitQuad", shape!(layout::LitQuad, corner, first, square_u, side, square_v, cells, frame)),
         ("Coefficient", shape!(layout::Coefficient, vector)),
         ("StaleMarks", shape!(layout::StaleMarks, materials, patches)),
         ("Display", shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent, lets_light_through)),

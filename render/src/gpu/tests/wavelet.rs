@@ -1,7 +1,7 @@
 //! Bounced light of wavelet transport on the GPU and by the CPU renderer, at what the deferred pass saw: every BRDF, with textures,
 //! normal and bump maps, on quads with few and with many cells of directions. Each comparison has a negative control.
 
-use super::twin::{agrees, appearance, backend, difference, maps, on_the_cpu, parameters, scene, view};
+use super::twin::{appearance, backend, difference, maps, on_the_cpu, parameters, scene, view};
 use crate::{
     Backend, Background, Baked, BounceLight, BrdfSampling, Components, LocalLighting, LocalRig, Renderer, Solution,
     View, ViewMode,
@@ -75,6 +75,13 @@ fn lit(baked: &Baked, intensity: f32) -> BounceLight {
     rig.lighting(Components::ALL, Solution::Wavelet, 64).bounce.expect("light of quads")
 }
 
+/// Share of the pixels that differ by more than a thousandth of the mean: some look along the edge of a cell, to either side of it.
+fn differing(a: &Image, b: &Image) -> f64 {
+    let mean = b.pixels.iter().map(|pixel| pixel.element_sum()).sum::<f32>() / (3 * b.pixels.len()) as f32;
+    let differs = |(a, b): &(&Vec3, &Vec3)| (**a - **b).abs().max_element() > 1e-3 * mean;
+    a.pixels.iter().zip(&b.pixels).filter(differs).count() as f64 / b.pixels.len() as f64
+}
+
 fn dark_view() -> View {
     View { background: Background::Flat(Vec3::ZERO), ..view(ViewMode::Shaded) }
 }
@@ -107,9 +114,9 @@ fn pixels_agree_for_every_brdf_with_maps_and_bumps() {
         let shown = picture(&mut gpu, &light);
         let light_of = |light| PictureLight { bounce: Some(light), ..Default::default() };
         let expected = on_the_cpu(&gpu, &renderer, &dark_view(), light_of(&light), BrdfSampling::Refine);
-        assert!(agrees(&shown, &expected), "{model:?}: {:?}", difference(&shown, &expected));
+        assert!(differing(&shown, &expected) < 0.002, "{model:?}: {:?}", difference(&shown, &expected));
         assert!(expected.pixels.iter().any(|pixel| pixel.max_element() > 0.01), "{model:?} is lit");
         let other = on_the_cpu(&gpu, &renderer, &dark_view(), light_of(&brighter), BrdfSampling::Refine);
-        assert!(!agrees(&shown, &other), "{model:?}: negative control");
+        assert!(differing(&shown, &other) > 0.2, "{model:?}: negative control");
     }
 }
