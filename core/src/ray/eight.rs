@@ -65,6 +65,16 @@ impl Intersector {
         self.seen_before_in(InstructionSet::widest(), rays, before)
     }
 
+    /// Share of the light that passes along eight rays before some distances in meters; zero for inactive ones.
+    pub fn passed_before(&self, rays: &EightRays, before: [f32; 8]) -> [f32; 8] {
+        let seen = self.seen_before(rays, before);
+        std::array::from_fn(|lane| match [seen.open, rays.active & !seen.closed].map(|mask| mask >> lane & 1 == 1) {
+            [true, _] => 1.0,
+            [_, true] => self.past_veils(rays.origins.lane(lane), rays.directions.lane(lane), before[lane]),
+            _ => 0.0,
+        })
+    }
+
     pub(super) fn seen_before_in(&self, set: InstructionSet, rays: &EightRays, before: [f32; 8]) -> SeenThrough {
         let open = set.run(OpenBefore { scene: self, rays, before });
         let closed = rays.active & !open;

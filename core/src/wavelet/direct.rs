@@ -10,10 +10,14 @@ use super::{
     reflecting::ReflectingPatch,
     square::{Function, Node, transform_products},
 };
-use crate::{lights::Light, ray::Intersector};
+use crate::{
+    lights::{Light, LightSample},
+    offset,
+    ray::{EightRays, Intersector},
+};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use std::f32::consts::PI;
+use std::{array::from_fn, f32::consts::PI};
 
 /// Projection of direct light.
 #[derive(Clone, Copy)]
@@ -57,33 +61,44 @@ impl DirectProjection<'_> {
         let (patch, angle_level) = (&reflecting.patch, reflecting.angle_level());
         let level = self.level_for(light, patch);
         let area = patch.area / (1_u32 << (2 * level)) as f32;
-        let lit = |node: Node| {
-            let samples = RAYS_ALONG * RAYS_ALONG;
-            let arriving = move |i: u32| {
-                let place = (Vec2::new((i % RAYS_ALONG) as f32, (i / RAYS_ALONG) as f32) + 0.5) / RAYS_ALONG as f32;
-                self.arriving(light, patch, node.point(place), place)
-            };
-            (0..samples).filter_map(arriving).map(move |(direction, irradiance)| {
+        let samples = RAYS_ALONG * RAYS_ALONG;
+        let place = |i: u32| (Vec2::new((i % RAYS_ALONG) as f32, (i / RAYS_ALONG) as f32) + 0.5) / RAYS_ALONG as f32;
+        let places: Vec<(Node, Vec2)> =
+            Node::all(level).flat_map(|node| (0..samples).map(move |i| (node, place(i)))).collect();
+        let lit = |eight: &[(Node, Vec2)]| {
+            let arriving = self.arriving(light, patch, eight);
+            let lit = eight.iter().zip(arriving).filter_map(|(&(node, _), arriving)| {
+                let (direction, irradiance) = arriving?;
                 let angle = Node::at(angle_level, patch.square_of_direction(direction));
                 // The mean over the samples, times the node's area and the heights of both functions.
                 let height = 1.0 / (node.side() * angle.side() * (patch.area * PI).sqrt());
-                ([node, angle], irradiance * (area * height / samples as f32))
-            })
+                Some(([node, angle], irradiance * (area * height / samples as f32)))
+            });
+            lit.collect::<Vec<_>>()
         };
-        Node::all(level).flat_map(lit).collect()
+        places.chunks(8).flat_map(lit).collect()
     }
 
-    /// Direction of a light and its irradiance at a point of a patch, if it arrives. `u` chooses a point of the light.
-    fn arriving(&self, light: &Light, patch: &Patch, square: Vec2, u: Vec2) -> Option<(Vec3, Vec3)> {
-        let at = patch.point(square) + patch.normal() * self.offset;
-        let sample = light.sample(at, u)?;
-        let cosine = sample.direction.dot(patch.normal());
-        let is_lit = cosine > 0.0
-            && match sample.distance.is_finite() {
-                true => !self.rays.occluded_before(at, sample.direction, sample.distance - self.offset),
-                false => !self.rays.occluded(at, sample.direction),
-            };
-        is_lit.then(|| (sample.direction, sample.irradiance * cosine))
+    /// Direction of a light and its irradiance at up to eight places of nodes of a patch, where it arrives. A place also chooses a
+    /// point of the light.
+    fn arriving(&self, light: &Light, patch: &Patch, places: &[(Node, Vec2)]) -> [Option<(Vec3, Vec3)>; 8] {
+        let sent: [Option<(Vec3, LightSample)>; 8] = from_fn(|i| {
+            let (node, u) = places.get(i)?;
+            let at = patch.point(node.point(*u)) + patch.normal() * self.offset;
+            let sample = light.sample(at, *u)?;
+            (sample.direction.dot(patch.normal()) > 0.0).then_some((at, sample))
+        });
+        let active = (0..8).map(|i| u8::from(sent[i].is_some()) << i).sum();
+        let origins = sent.map(|sent| sent.map_or(Vec3::ZERO, |(at, _)| at));
+        let directions = sent.map(|sent| sent.map_or(Vec3::Y, |(_, sample)| sample.direction));
+        // A light may lie on a surface, which does not block it.
+        let reaches = sent.map(|sent| sent.map_or(0.0, |(_, sample)| offset::REACH_OF_BOUNCE * sample.distance));
+        let passed = self.rays.passed_before(&EightRays::new(origins, directions, active), reaches);
+        from_fn(|i| {
+            let (_, sample) = sent[i].filter(|_| passed[i] > 0.0)?;
+            let cosine = sample.direction.dot(patch.normal());
+            Some((sample.direction, sample.irradiance * (cosine * passed[i])))
+        })
     }
 
     /// Halvings at which no node gets a larger share of the light's power than [`LARGEST_SHARE`]: solid angle times intensity (5.1).

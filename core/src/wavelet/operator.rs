@@ -51,6 +51,9 @@ impl RadianceBasis {
     }
 }
 
+/// Parts of a product that are computed side by side, whatever the number of threads.
+const PARTS: usize = 8;
+
 /// A sparse square matrix: for each sender, its receivers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operator {
@@ -203,11 +206,18 @@ impl Operator {
     /// If there is not one value for each function.
     pub fn apply(&self, sent: &[Vec3]) -> Vec<Vec3> {
         assert_eq!(sent.len(), self.functions(), "one value for each function");
-        let mut received = vec![Vec3::ZERO; sent.len()];
-        for (sender, &light) in sent.iter().enumerate().filter(|(_, light)| **light != Vec3::ZERO) {
-            self.column(sender).iter().for_each(|&(receiver, value)| received[receiver as usize] += value * light);
-        }
-        received
+        let of_part = |part: usize| {
+            let mut received = vec![Vec3::ZERO; sent.len()];
+            // Neighbors among the senders have columns of other lengths, so each part takes every so many.
+            for sender in (part..sent.len()).step_by(PARTS).filter(|&sender| sent[sender] != Vec3::ZERO) {
+                let light = sent[sender];
+                self.column(sender).iter().for_each(|&(receiver, value)| received[receiver as usize] += value * light);
+            }
+            received
+        };
+        let parts: Vec<Vec<Vec3>> = (0..PARTS).into_par_iter().map(of_part).collect();
+        let sum = |receiver: usize| parts.iter().map(|part| part[receiver]).sum();
+        (0..sent.len()).map(sum).collect()
     }
 
     /// Number of links: groups of at most 256 coefficients whose functions have the same four supports (4.3).

@@ -80,14 +80,8 @@ fn light_sample(
     let directions = sent.map(|sent| sent.map_or(Vec3::Y, |(_, sample, _)| sample.direction));
     // A light may lie on a surface, which does not block it.
     let reaches = sent.map(|sent| sent.map_or(0.0, |(_, sample, _)| offset::REACH_OF_BOUNCE * sample.distance));
-    let seen = intersector.seen_before(&EightRays::new(origins, directions, active), reaches);
-    from_fn(|i| match sent[i] {
-        Some((.., received)) if seen.open >> i & 1 == 1 => received,
-        Some((origin, sample, received)) if seen.closed >> i & 1 == 0 => {
-            received * intersector.past_veils(origin, sample.direction, reaches[i])
-        }
-        _ => Vec3::ZERO,
-    })
+    let passed = intersector.passed_before(&EightRays::new(origins, directions, active), reaches);
+    from_fn(|i| sent[i].map_or(Vec3::ZERO, |(.., received)| received * passed[i]))
 }
 
 /// Irradiance of each source from the environment: its cut merged with the illumination cut, times the cosine. `None`
