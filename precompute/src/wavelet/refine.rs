@@ -186,17 +186,22 @@ impl Refining<'_> {
         }
     }
 
+    /// Halvings of both ends beyond refinement. A receiver with directions has none: its cells are those of the samples of the block.
+    fn finer_halvings(&self) -> [u32; 2] {
+        if self.pair.receiver.cells.len() == 1 { FINER } else { [0; 2] }
+    }
+
     /// Receivers finer than a block, with their shares of its coefficient.
     fn finer_receivers(&self, receiver: Node, sender: Node) -> Vec<(Node, f32)> {
         let Pair { receiver: to, sender: from, .. } = self.pair;
-        let halvings = FINER[0].min(self.settings.levels - receiver.level());
+        let halvings = self.finer_halvings()[0].min(self.settings.levels - receiver.level());
         finer(&to.patch, receiver, &corners(&from.patch, sender), halvings)
     }
 
     /// The same of senders.
     fn finer_senders(&self, receiver: Node, sender: Node) -> Vec<(Node, f32)> {
         let Pair { receiver: to, sender: from, .. } = self.pair;
-        let halvings = FINER[1].min(self.settings.levels - sender.level());
+        let halvings = self.finer_halvings()[1].min(self.settings.levels - sender.level());
         finer(&from.patch, sender, &corners(&to.patch, receiver), halvings)
     }
 

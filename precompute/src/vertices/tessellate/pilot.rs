@@ -36,10 +36,11 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// The functions of a bake, if any: functions of a basis lie at points of their own.
+    /// The functions of a bake, if vertices store any: those of a basis lie at points of their own. A basis beside them asks for the
+    /// same vertices as sources do, so that parts are the same with any others.
     pub fn of(mode: BakeParts) -> Option<Self> {
-        let (environment, bounces) = (mode.environment(), mode.sources());
-        (environment || bounces).then_some(Self { environment, bounces })
+        let stores = mode.environment() || mode.sources();
+        stores.then(|| Self { environment: mode.environment(), bounces: mode.bounces() })
     }
 }
 

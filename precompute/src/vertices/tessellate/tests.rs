@@ -45,7 +45,8 @@ fn area(mesh: &Mesh) -> f32 {
 fn only_what_vertices_store_asks_for_vertices() {
     let of = |mode: BakeParts| Stored::of(mode).map(|stored| (stored.environment, stored.bounces));
     assert_eq!(of(BakeParts::MESHLESS.with(BakeParts::RADIOSITY)), None, "functions lie at points of their own");
-    assert_eq!(of(BakeParts::ENVIRONMENT_MESHLESS), Some((true, false)));
+    assert_eq!(of(BakeParts::ENVIRONMENT), Some((true, false)));
+    assert_eq!(of(BakeParts::ENVIRONMENT_MESHLESS), of(BakeParts::ALL), "parts are the same with any others");
     assert_eq!(of(BakeParts::INDIRECT), Some((false, true)));
     assert_eq!(of(BakeParts::ALL), Some((true, true)));
 }

@@ -5,7 +5,9 @@ use crate::jobs::testing::{silent, wait_for};
 use glam::Vec3;
 use lapidary_core::{
     cut::{CutCriterion, SourceCriterion},
-    dataset::{BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, ObjectBasesSettings},
+    dataset::{
+        BakeParts, BakeSettings, Dataset, IndirectSettings, MeshlessSettings, ObjectBasesSettings, WaveletSettings,
+    },
 };
 use lapidary_interchange::{image, import::import};
 use lapidary_precompute::{Preset, ResolvedBake, SettingsError};
@@ -154,6 +156,7 @@ fn a_draft_is_in_nothing_finer_than_what_is_wanted_and_comes_only_where_it_is_so
         criterion,
         indirect: sources,
         meshless,
+        wavelet: WaveletSettings { compression: 1e-3 },
         ..normal.clone()
     };
     let draft = first_draft(&few, 0);
