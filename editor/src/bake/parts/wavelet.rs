@@ -14,7 +14,7 @@ use lapidary_core::dataset::{BakeParts, BakeReport, BakeSettings, WaveletSetting
 use lapidary_precompute::Phase;
 
 /// Core seconds, bytes and quads of the maze. All grows with the pairs of quads.
-const OF_THE_MAZE: (f64, f64, f64) = (60.0, 40e6, 59.0);
+const OF_THE_MAZE: (f64, f64, f64) = (20.0, 76e6, 59.0);
 
 /// The entry.
 pub struct Wavelet;
