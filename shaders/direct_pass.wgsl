@@ -22,7 +22,9 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     if !begun.has_surface {
         return without_surface(begun, vec3(0.0));
     }
-    let point = begun_point(begun);
+    var point = begun_point(begun);
+    // Twin of `SurfacePoint::within_cone`.
+    point.slopes += vec3(point.by_cone, 0.0, point.by_cone);
     var received = vec3(0.0);
     for (var i = 0u; i < arrayLength(&local_lights); i++) {
         received += light_from(point, local_lights[i]);

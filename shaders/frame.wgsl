@@ -19,7 +19,7 @@ struct FrameUniforms {
     view_mode: u32,
     wireframe: u32,
     source_tree_height: u32,
-    // Number of the current sample.
+    // Number of the current sample; for points that mirrors show, of the part of their light.
     sample: u32,
     // First triangle of a ground that catches shadows; a number above all triangles without such a ground.
     catcher: u32,
@@ -38,8 +38,36 @@ struct FrameUniforms {
     mirrored_height: u32,
     // Whether surface emission is shown.
     shows_emission: u32,
-    // Spacing of a pixel's samples, in pixels.
+    // Spacing of a pixel's samples, in pixels; 0 for lookups in maps at points.
     sample_distance: f32,
+    // What the points to shade are, see SEEN_*.
+    seen: u32,
+    // Most light of a surface that rays of wider lobes show, as a luminance.
+    brightest: f32,
+    // Number of the picture's sample.
+    picture_sample: u32,
+    // Share of a lobe for which a sample's ray stands.
+    of_lobe: f32,
+    // Pixels of the picture per pixel of points that mirrors show.
+    picture_stride: vec2<u32>,
+}
+
+// Points whose mirrors show the scene along rays; those of others show the environment's map.
+const SEEN_WITH_MIRRORS: u32 = 1u;
+// Points that mirrors show; others are what the camera sees.
+const SEEN_IN_MIRRORS: u32 = 2u;
+
+fn is_in_mirrors() -> bool {
+    return (frame.seen & SEEN_IN_MIRRORS) != 0u;
+}
+
+// The picture's pixel of a point.
+fn picture_pixel(pixel: vec2<u32>) -> vec2<u32> {
+    return select(pixel, pixel * frame.picture_stride, is_in_mirrors());
+}
+
+fn has_mirrors() -> bool {
+    return (frame.seen & SEEN_WITH_MIRRORS) != 0u;
 }
 
 const BACKGROUND_MAP: u32 = 0u;
@@ -55,6 +83,7 @@ const VIEW_BRDF_EVALUATIONS: u32 = 6u;
 const VIEW_BASIS_LEVEL: u32 = 7u;
 const VIEW_BASIS_FUNCTION: u32 = 8u;
 const VIEW_BASIS_COEFFICIENTS: u32 = 9u;
+const VIEW_GLOSS: u32 = 10u;
 
 // Whether the view shows surface colors and roughness.
 fn shows_color() -> bool {

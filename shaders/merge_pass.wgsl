@@ -19,7 +19,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
         return sums;
     }
     let g = textureLoad(geometry, pixel, 0);
-    let direction = ray(pixel, PINHOLE).direction;
+    let direction = seen_along(pixel);
     let begun = Begun(pixel, sums, g, false, is_surface(g));
     if !begun.has_surface {
         return with_background(begun, direction);
@@ -40,7 +40,8 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
 }
 
 fn needs_merge() -> bool {
-    return frame.view_mode == VIEW_SHADED || is_work(frame.view_mode);
+    let mode = frame.view_mode;
+    return mode == VIEW_SHADED || is_work(mode) || (mode == VIEW_GLOSS && BY_DIRECTION);
 }
 
 fn is_work(mode: u32) -> bool {
@@ -56,6 +57,7 @@ fn view_value(begun: Begun, point: SurfacePoint, shaded: Shaded) -> vec3<f32> {
         case VIEW_VISIBILITY_CUT: { return vec3(interpolated_cut_len(point)); }
         case VIEW_MERGED_CUT: { return vec3(f32(shaded.merged_nodes)); }
         case VIEW_BRDF_EVALUATIONS: { return vec3(f32(shaded.brdf_evaluations)); }
+        case VIEW_GLOSS: { return signed_light(luminance(shaded.radiance)); }
         case VIEW_BASIS_LEVEL, VIEW_BASIS_FUNCTION, VIEW_BASIS_COEFFICIENTS: { return vec3(0.0); }
         default: { return light_value(point, (begun.g.w & FLAG_BACK) != 0u, shaded.radiance); }
     }
@@ -88,8 +90,12 @@ fn no_light() -> Shaded {
     return Shaded(vec3(0.0), 0u, 0u, vec3(0.0), vec3(0.0));
 }
 
-// Whether sharp lobes may read the map.
-override MIRRORS: bool = true;
+// What sharp lobes do: no lobe is sharp, they read the map, or cuts give none of their light, because they have rays.
+override MIRRORS: u32 = 1u;
+
+const NO_MIRRORS: u32 = 0u;
+const MIRRORS_READ_MAP: u32 = 1u;
+const MIRRORS_HAVE_RAYS: u32 = 2u;
 
 // Whether lit cuts replace the stored cuts and the illumination cut.
 override LIT: bool = true;
@@ -294,20 +300,26 @@ fn first_fine(point: SurfacePoint, whole: SeenNode, mirrored: vec3<f32>, lobes: 
 // Adds the node's light toward the eye, for leaves of unit solid angle.
 fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode, visibility: f32, mirror: Mirror) {
     // A node without visible light only matters for the window.
-    if MIRRORS && !(visibility > 0.0) && !reaches_window(mirror, seen.to_mirrored, seen.cone.radius) {
+    if MIRRORS == MIRRORS_READ_MAP && !(visibility > 0.0) && !reaches_window(mirror, seen.to_mirrored, seen.cone.radius) {
         return;
     }
     let wi = seen.cone.direction * point.world_from_local;
     var light = received_light(point, seen.cone.direction, wi, select(0.0, seen.cone.inv_kappa, REFINE));
     var window = 0.0;
-    if MIRRORS && mirror.share > 0.0 {
+    let radiance = radiance_along(seen.node, seen.cone.direction);
+    if MIRRORS == MIRRORS_HAVE_RAYS {
+        window = window_share(mirror, wi, point.wo);
+        let rest = max(window_share(scene_mirror, wi, point.wo) - window, 0.0);
+        window += rest * share_up_to(frame.brightest, luminance(radiance));
+        light.inv_kappa = narrowed(mirror, wi, point.wo, light.inv_kappa);
+    } else if MIRRORS == MIRRORS_READ_MAP && mirror.share > 0.0 {
         window = mirror_window(mirror, wi, point.wo);
         light.inv_kappa = mirror_spread(mirror, window, light.inv_kappa);
     }
-    let unshadowed = reflection_of(point.brdf, light, point.wo) * nodes[seen.node].radiance * node_size(seen.node);
+    let unshadowed = reflection_of(point.brdf, light, point.wo) * radiance * node_size(seen.node);
     (*shaded).radiance += unshadowed * visibility;
     (*shaded).brdf_evaluations += 1u;
-    if MIRRORS && mirror.share > 0.0 {
+    if MIRRORS == MIRRORS_HAVE_RAYS || (MIRRORS == MIRRORS_READ_MAP && mirror.share > 0.0) {
         (*shaded).window_seen += unshadowed * (window * visibility);
         (*shaded).window_all += unshadowed * window;
     }
@@ -315,18 +327,41 @@ fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode,
 
 fn finish(shaded: ptr<function, Shaded>, point: SurfacePoint, mirror: Mirror) {
     (*shaded).radiance *= leaf_solid_angle();
+    if MIRRORS == MIRRORS_HAVE_RAYS {
+        let seen = (*shaded).window_seen * leaf_solid_angle();
+        (*shaded).radiance = max((*shaded).radiance - seen, vec3(0.0));
+        return;
+    }
     // If no light of the window is visible, nothing is replaced.
-    if MIRRORS && mirror.share > 0.0 && any((*shaded).window_seen > vec3(0.0)) {
+    if MIRRORS == MIRRORS_READ_MAP && mirror.share > 0.0 && any((*shaded).window_seen > vec3(0.0)) {
         let seen = (*shaded).window_seen * leaf_solid_angle();
         let all = (*shaded).window_all * leaf_solid_angle();
         (*shaded).radiance = sharpened(mirror, (*shaded).radiance, seen, all, unshadowed_window(mirror, point));
     }
 }
 
-// Sharp lobes of a point, if they read the map.
+// Lobes that are sharp among sources, where they have rays.
+var<private> scene_mirror: Mirror;
+
+// Spread of a light for widening lobes that have rays.
+fn narrowed(mirror: Mirror, wi: vec3<f32>, wo: vec3<f32>, inv_kappa: f32) -> f32 {
+    if scene_mirror.share > 0.0 {
+        return mirror_spread(scene_mirror, mirror_window(scene_mirror, wi, wo), inv_kappa);
+    }
+    if mirror.share > 0.0 {
+        return mirror_spread(mirror, mirror_window(mirror, wi, wo), inv_kappa);
+    }
+    return inv_kappa;
+}
+
+// Sharp lobes of a point, if they read the map or have rays.
 fn mirror_at(point: SurfacePoint) -> Mirror {
-    var mirror = mirror_of(lobes_of(point.brdf), point.slopes, point.wo);
-    if !MIRRORS || frame.mirrored_height == 0u {
+    var mirror = mirror_at_point(point);
+    // In mirrors wider lobes have no rays.
+    if MIRRORS == MIRRORS_HAVE_RAYS && FIELD == FIELD_SOURCES && !is_in_mirrors() {
+        scene_mirror = ray_lobes(point).scene;
+    }
+    if MIRRORS == NO_MIRRORS || (MIRRORS == MIRRORS_READ_MAP && frame.mirrored_height == 0u) {
         mirror.share = 0.0;
     }
     return mirror;
@@ -334,7 +369,7 @@ fn mirror_at(point: SurfacePoint) -> Mirror {
 
 // Whether a node without visible light reaches into the window of a mirror.
 fn shows_in_window(point: SurfacePoint, mirror: Mirror, mirrored: vec3<f32>, node: u32) -> bool {
-    if !MIRRORS || !(mirror.share > 0.0) {
+    if MIRRORS != MIRRORS_READ_MAP || !(mirror.share > 0.0) {
         return false;
     }
     let seen = seen_from(point, mirrored, node);

@@ -21,6 +21,8 @@ struct BasisUniforms {
     shown_function: u32,
     // Whether the functions are those of objects: each object finds its own alone, and levels hold absolute values.
     of_objects: u32,
+    // Number of levels, the coarsest, whose light is known by direction; 0 for none.
+    directional_levels: u32,
 }
 
 // A cell of a level, or of a level of an object: its key.
@@ -58,8 +60,14 @@ const BASIS_GREY: f32 = 0.4;
 // Where each vertex was as baked, and its object, row by row; a single texel for functions that are not of objects.
 @group(2) @binding(5) var places: texture_2d<f32>;
 
+// Coefficients by direction, nine texels a function, row by row.
+@group(2) @binding(6) var harmonics: texture_2d<f32>;
+
 // First key of the grid for the pixel: that of level 0 of its object.
 var<private> first_key: u32 = 0u;
+
+@group(3) @binding(5) var environment_map: texture_2d<f32>;
+@group(3) @binding(6) var mirrored_map: texture_2d<f32>;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
@@ -75,9 +83,77 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
 fn value_at(point: SurfacePoint, bc: vec2<f32>, from_behind: bool) -> vec3<f32> {
     let among = among_functions(point, bc, from_behind);
     if frame.view_mode == VIEW_SHADED {
-        return with_posed_bounce(point, from_behind, albedo_of(point.brdf) * irradiance_at(among, from_behind) * FRAC_1_PI);
+        let reflected = reflectance(point, among) * irradiance_at(among, from_behind) * FRAC_1_PI;
+        return with_posed_bounce(point, from_behind, reflected);
     }
     return basis_value(among);
+}
+
+// The share of the irradiance that goes toward the eye, over that of a white diffuse surface, without what rays of mirrors give.
+fn reflectance(point: SurfacePoint, among: SurfacePoint) -> vec3<f32> {
+    let rough = rough_albedo(point, true);
+    if basis.directional_levels == 0u || all(narrowest_widths(lobes_of(point.brdf)) == vec3(0.0)) {
+        return rough;
+    }
+    return glossy_reflectance(point, among) * rough / max(albedo_of(point.brdf), vec3(1e-6));
+}
+
+fn narrowest_widths(lobes: mat3x2<f32>) -> vec3<f32> {
+    return vec3(min(lobes[0].x, lobes[0].y), min(lobes[1].x, lobes[1].y), min(lobes[2].x, lobes[2].y));
+}
+
+// Twin of `MeshlessLight::reflectance`.
+fn glossy_reflectance(point: SurfacePoint, among: SurfacePoint) -> vec3<f32> {
+    let arrives = arriving_by_direction(among);
+    let weight = 1.0 / (FRAC_1_PI * f32(CELL_SIDE * CELL_SIDE));
+    var received = vec3(0.0);
+    var reflected = vec3(0.0);
+    for (var cell = 0u; cell < CELL_SIDE * CELL_SIDE; cell++) {
+        let wi = direction_of(cell, CELL_SIDE);
+        let light = max(color_toward(arrives, point.world_from_local * wi), vec3(0.0));
+        received += light;
+        reflected += light * cell_brdf(point, wi, weight);
+    }
+    let share = reflected / (FRAC_1_PI * max(received, vec3(LEAST_RECEIVED)));
+    return select(albedo_of(point.brdf), share, received > vec3(LEAST_RECEIVED));
+}
+
+// Cells along an edge of the hemisphere over which a BRDF is evaluated, as in render/src/light/bounce/meshless/gloss.rs.
+const CELL_SIDE: u32 = 8u;
+const LEAST_RECEIVED: f32 = 1.1754944e-38;
+
+// Twin of `ArrivingByDirection`.
+fn arriving_by_direction(point: SurfacePoint) -> array<vec3<f32>, 9> {
+    var total: array<vec3<f32>, 9>;
+    let width = textureDimensions(harmonics).x;
+    for (var level = 0u; level < basis.directional_levels; level++) {
+        let range = entries_around(level, point.position);
+        var sum: array<vec3<f32>, 9>;
+        var weights = 0.0;
+        for (var i = range.x; i < range.y; i++) {
+            let weight = weight_at(entries[i], level, point);
+            if weight > 0.0 {
+                weights += weight;
+                for (var k = 0u; k < 9u; k++) {
+                    let texel = entries[i] * 9u + k;
+                    sum[k] += textureLoad(harmonics, vec2(texel % width, texel / width), 0).xyz * weight;
+                }
+            }
+        }
+        for (var k = 0u; k < 9u; k++) {
+            total[k] += sum[k] * normalisation(weights);
+        }
+    }
+    return total;
+}
+
+// Twin of `Harmonics::at` in core/src/sphere/harmonics.rs.
+fn color_toward(c: array<vec3<f32>, 9>, d: vec3<f32>) -> vec3<f32> {
+    return c[0] * 0.2820948
+        + (c[1] * d.y + c[2] * d.z + c[3] * d.x) * 0.4886025
+        + (c[4] * d.x * d.y + c[5] * d.y * d.z + c[7] * d.x * d.z) * 1.0925484
+        + c[6] * (0.31539157 * (3.0 * d.z * d.z - 1.0))
+        + c[8] * (0.5462742 * (d.x * d.x - d.y * d.y));
 }
 
 // The point where its functions are: those of objects lie on the scene as baked. Twin of `MeshlessLight::place`.
@@ -221,8 +297,7 @@ fn level_part(point: SurfacePoint) -> vec3<f32> {
         return vec3(0.0);
     }
     let received = point.world_from_local[2] * level_vector(basis.shown_level, point).vector;
-    let reflected = luminance(received) * FRAC_1_PI;
-    return max(vec3(reflected, 0.0, -reflected), vec3(0.0));
+    return signed_light(luminance(received) * FRAC_1_PI);
 }
 
 // Twin of `MeshlessLight::function_value`.

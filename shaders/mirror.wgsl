@@ -6,6 +6,7 @@ const SHARP: f32 = 3.0;
 const SOFT: f32 = 5.0;
 const WINDOW: f32 = 6.0;
 const OF_LOBE: f32 = 3.0;
+const OF_CONE: f32 = 24.0;
 const MIRROR_SAMPLES: u32 = 8u;
 const FILLED: f32 = 2.5;
 const CORRELATED_LOW: f32 = 0.1;
@@ -13,6 +14,9 @@ const CORRELATED_HIGH: f32 = 0.3;
 // Cosine and sine of the golden section of a full turn.
 const GOLDEN_COS: f32 = -0.7373688;
 const GOLDEN_SIN: f32 = -0.67549026;
+const RINGS_A_TURN: f32 = 64.0;
+// Where the samples of a lobe begin on its disc: cosine and sine of the first angle, and the place in rings of equal area.
+const MIDDLE: vec3<f32> = vec3<f32>(1.0, 0.0, 0.5);
 
 // The sharp lobes of one pixel.
 struct Mirror {
@@ -33,15 +37,26 @@ fn falling(x: f32, low: f32, high: f32) -> f32 {
     return t * t * (3.0 - 2.0 * t);
 }
 
-// Mirror for a model's lobes, on a surface with these slopes, seen from the local direction `wo`.
-fn mirror_of(lobes: mat3x2<f32>, slopes: vec3<f32>, wo: vec3<f32>) -> Mirror {
-    let sample_radius = sqrt(frame.leaf_solid_angle / PI);
+// Mirror for the lobes of a point.
+fn mirror_at_point(point: SurfacePoint) -> Mirror {
+    return mirror_among(point, sqrt(frame.leaf_solid_angle / PI));
+}
+
+// The same among light samples of a radius in radians; among sources, which are wider, with a radius of 0.
+fn mirror_among(point: SurfacePoint, sample_radius: f32) -> Mirror {
+    let lobes = lobes_of(point.brdf);
+    let slopes = point.slopes;
+    let wo = point.wo;
     let least = vec2(MIN_ALPHA);
     var mirror = Mirror(0.0, mat4x2(least, least, least, least), 0u, vec2(0.0), 0.0);
     var widest = vec2(0.0);
     for (var i = 0u; i < 3u; i += 1u) {
         let lobe = sqrt(lobes[i] * lobes[i] + slopes.xz);
-        var sharpness = falling(min(lobe.x, lobe.y) / sample_radius, SHARP, SOFT);
+        let narrow = min(lobe.x, lobe.y);
+        var sharpness = falling(narrow, SCENE_SHARP, SCENE_SOFT);
+        if sample_radius > 0.0 {
+            sharpness = falling(narrow / sample_radius, SHARP, SOFT);
+        }
         sharpness *= falling(abs(slopes.y) / max(lobe.x * lobe.y, 1e-12), CORRELATED_LOW, CORRELATED_HIGH);
         if any(lobes[i] != NO_LOBE) && sharpness > 0.0 {
             mirror.lobes[mirror.count] = max(lobe, least);
@@ -60,6 +75,45 @@ fn mirror_of(lobes: mat3x2<f32>, slopes: vec3<f32>, wo: vec3<f32>) -> Mirror {
         mirror.share = 0.0;
     }
     return mirror;
+}
+
+// The lobes of a point that have rays where mirrors show the scene. Twin of `RayLobes` in render/src/shade/mirror/rays.rs.
+struct RayLobes {
+    // Those that are sharp among light samples.
+    map: Mirror,
+    // Those that are sharp among sources; a share of 0 if all are of the first.
+    scene: Mirror,
+}
+
+const SCENE_SHARP: f32 = 0.15;
+const SCENE_SOFT: f32 = 0.25;
+
+fn ray_lobes(point: SurfacePoint) -> RayLobes {
+    var both = RayLobes(mirror_at_point(point), mirror_among(point, 0.0));
+    if both.map.share >= 1.0 && both.map.count == both.scene.count {
+        both.scene.share = 0.0;
+    }
+    return both;
+}
+
+// Width of the widest sharp lobe. Twin of `Mirror::width`.
+fn widest_lobe(mirror: Mirror) -> f32 {
+    var widest = 0.0;
+    if !(mirror.share > 0.0) {
+        return widest;
+    }
+    for (var i = 0u; i + 1u < mirror.count; i += 1u) {
+        widest = max(widest, max(mirror.lobes[i].x, mirror.lobes[i].y));
+    }
+    return widest;
+}
+
+// Share of the light of surfaces from a local direction that a window gives.
+fn window_share(mirror: Mirror, wi: vec3<f32>, wo: vec3<f32>) -> f32 {
+    if !(mirror.share > 0.0) {
+        return 0.0;
+    }
+    return mirror.share * mirror_window(mirror, wi, wo);
 }
 
 // Window weight of a local direction: 1 around the mirror direction, 0 outside.
@@ -88,26 +142,57 @@ fn reaches_window(mirror: Mirror, to_mirrored: f32, radius: f32) -> bool {
 
 // Unoccluded light of the window.
 fn unshadowed_window(mirror: Mirror, point: SurfacePoint) -> vec3<f32> {
-    let wo = point.wo;
     var sum = vec3(0.0);
-    var turn = vec2(1.0, 0.0);
-    for (var i = 0u; i < MIRROR_SAMPLES; i += 1u) {
-        let disc = sqrt((f32(i) + 0.5) / f32(MIRROR_SAMPLES)) * turn;
-        for (var j = 0u; j < mirror.count; j += 1u) {
-            sum += unshadowed_sample(mirror, point, ggx_visible_normal(mirror.lobes[j], wo, disc));
+    for (var i = 0u; i < MIRROR_SAMPLES * mirror.count; i += 1u) {
+        let ray = window_ray(mirror, point, i, MIDDLE);
+        if any(ray.weight > vec3(0.0)) {
+            sum += ray.weight * patch_radiance(ray.direction, ray.solid_angle + OF_CONE * point.by_cone);
         }
-        turn = vec2(turn.x * GOLDEN_COS - turn.y * GOLDEN_SIN, turn.x * GOLDEN_SIN + turn.y * GOLDEN_COS);
     }
     return sum;
 }
 
-// Light from the mirror direction of a half vector.
-fn unshadowed_sample(mirror: Mirror, point: SurfacePoint, half: vec3<f32>) -> vec3<f32> {
+// The part of the albedo that belongs to a window and not to another. Twin of `Fan::total`.
+fn window_albedo(mirror: Mirror, other: Mirror, point: SurfacePoint) -> vec3<f32> {
+    if !(mirror.share > 0.0) {
+        return vec3(0.0);
+    }
+    var sum = vec3(0.0);
+    for (var i = 0u; i < MIRROR_SAMPLES * mirror.count; i += 1u) {
+        sum += beside(window_ray(mirror, point, i, MIDDLE), mirror, other, point).weight;
+    }
+    return sum;
+}
+
+// A direction with what a window's share leaves beside another.
+fn beside(ray: WindowRay, mirror: Mirror, other: Mirror, point: SurfacePoint) -> WindowRay {
+    let wi = ray.direction * point.world_from_local;
+    let window = mirror_window(mirror, wi, point.wo);
+    let left = max(mirror.share * window - window_share(other, wi, point.wo), 0.0);
+    return WindowRay(ray.direction, ray.weight * (left / max(window, 1e-20)), ray.solid_angle);
+}
+
+// A direction of the window in world space, with BRDF times cosine, window and solid angle; zero below the horizons.
+struct WindowRay {
+    direction: vec3<f32>,
+    weight: vec3<f32>,
+    solid_angle: f32,
+}
+
+// One of the window's sampled directions.
+fn window_ray(mirror: Mirror, point: SurfacePoint, index: u32, first: vec3<f32>) -> WindowRay {
     let wo = point.wo;
+    let step = index / mirror.count;
+    var turn = first.xy;
+    for (var i = 0u; i < step; i += 1u) {
+        turn = vec2(turn.x * GOLDEN_COS - turn.y * GOLDEN_SIN, turn.x * GOLDEN_SIN + turn.y * GOLDEN_COS);
+    }
+    let disc = sqrt((f32(step) + first.z) / f32(MIRROR_SAMPLES)) * turn;
+    let half = ggx_visible_normal(mirror.lobes[index % mirror.count], wo, disc);
     let wi = 2.0 * dot(wo, half) * half - wo;
     let direction = point.world_from_local * wi;
     if !(wi.z > 0.0 && dot(direction, point.smooth_normal) > 0.0) {
-        return vec3(0.0);
+        return WindowRay(direction, vec3(0.0), 0.0);
     }
     var density = 0.0;
     for (var k = 0u; k < mirror.count; k += 1u) {
@@ -115,7 +200,7 @@ fn unshadowed_sample(mirror: Mirror, point: SurfacePoint, half: vec3<f32>) -> ve
     }
     let solid_angle = 1.0 / (f32(MIRROR_SAMPLES) * max(density, 1e-6));
     let reflected = reflection_of(point.brdf, Light(wi, 0.0, point.slopes, wi.z, true), wo);
-    return reflected * patch_radiance(direction, solid_angle) * (mirror_window(mirror, wi, wo) * solid_angle);
+    return WindowRay(direction, reflected * (mirror_window(mirror, wi, wo) * solid_angle), solid_angle);
 }
 
 // Mean radiance of the map over a patch of about this solid angle around a world direction.

@@ -3,6 +3,8 @@
 
 @group(2) @binding(0) var geometry: texture_2d<u32>;
 @group(2) @binding(1) var environment_map: texture_2d<f32>;
+// Directions along which mirrors see their points.
+@group(2) @binding(2) var mirror_rays: texture_2d<f32>;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
@@ -12,7 +14,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4(0.0);
     }
     if (g.w & FLAG_CATCHER) != 0u {
-        return vec4(caught_radiance(ray(pixel, PINHOLE).direction) * frame.caught_per_radiance, 1.0);
+        return vec4(caught_radiance(seen_along(pixel)) * frame.caught_per_radiance, 1.0);
     }
     let triangle = triangles[g.x - 1u];
     let material = triangle.material & ~TWO_SIDED;
@@ -26,7 +28,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if !has_bumps {
         return vec4(0.0);
     }
-    return vec4(spread_at(triangle.vertices, hit, material, -ray(pixel, PINHOLE).direction), 0.0);
+    return vec4(spread_at(triangle.vertices, hit, material, -seen_along(pixel)), 0.0);
 }
 
 // Twice the covariance of the slopes in the local frame.

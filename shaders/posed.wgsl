@@ -32,7 +32,7 @@ fn with_posed_ratio(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>)
     if !is_any_posed() {
         return as_baked;
     }
-    let uncovered = albedo_of(point.brdf) * posed_at(point, UNCOVERED, from_behind) * FRAC_1_PI;
+    let uncovered = rough_albedo(point, false) * posed_at(point, UNCOVERED, from_behind) * FRAC_1_PI;
     return as_baked * (1.0 + posed_at(point, GROWTH, from_behind)) + uncovered;
 }
 
@@ -42,6 +42,6 @@ fn with_posed_bounce(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>
         return as_baked;
     }
     let has_moved = posed_texel(point.vertices.x, GROWTH).w > 0.0;
-    let more = albedo_of(point.brdf) * posed_at(point, BOUNCE, from_behind) * FRAC_1_PI;
+    let more = rough_albedo(point, true) * posed_at(point, BOUNCE, from_behind) * FRAC_1_PI;
     return max(select(as_baked, vec3(0.0), has_moved) + more, vec3(0.0));
 }

@@ -7,6 +7,8 @@
 // The sums of the current part of the light.
 @group(3) @binding(3) var previous_value: texture_2d<f32>;
 @group(3) @binding(4) var previous_work: texture_2d<u32>;
+// Directions along which mirrors see their points, and the growth of the rays' cones.
+@group(3) @binding(7) var mirror_rays: texture_2d<f32>;
 
 fn previous_sums(pixel: vec2<u32>) -> Sums {
     return Sums(textureLoad(previous_value, pixel, 0), textureLoad(previous_work, pixel, 0));
@@ -48,7 +50,7 @@ fn without_surface(begun: Begun, value: vec3<f32>) -> Sums {
 }
 
 fn begun_point(begun: Begun) -> SurfacePoint {
-    return surface_point(begun.g, begun.pixel, ray(begun.pixel, PINHOLE).direction);
+    return surface_point(begun.g, begun.pixel, seen_along(begun.pixel));
 }
 
 // Merged nodes and BRDF evaluations of passes that do not count them.
@@ -88,6 +90,8 @@ struct SurfacePoint {
     emission: vec3<f32>,
     // Twice the covariance of the slopes within the sample in the local frame: xx, xy, yy.
     slopes: vec3<f32>,
+    // The same along each axis by the cone of a mirror's ray. It blurs the map and lamps, and makes no lobe less sharp.
+    by_cone: f32,
 }
 
 fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
@@ -99,7 +103,9 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
     let across = cross(vertices[corners.y].position - a, vertices[corners.z].position - a);
     let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);
     let smoothed = smooth_normal(corners, hit, -direction);
+    let position = interpolated_position(corners, hit.barycentric);
     var slopes = vec3(0.0);
+    var by_cone = 0.0;
     var brdf: Brdf;
     var emission = vec3(0.0);
     if (g.w & FLAG_CATCHER) != 0u {
@@ -112,11 +118,14 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
             emission = material_emission(material, attributes);
         }
         slopes = select(textureLoad(color_roughness, pixel, 0).xyz, vec3(0.0), shows_color());
+        if is_in_mirrors() {
+            by_cone = slopes_of_cone(cone_at(g, pixel, position), curvature_of(corners, g.w));
+        }
     }
     return SurfacePoint(
         corners,
         valid_weights(corners, hit.barycentric),
-        interpolated_position(corners, hit.barycentric),
+        position,
         normalize_or(across * hit.side, -direction),
         smoothed,
         local,
@@ -124,5 +133,6 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
         brdf,
         emission,
         slopes,
+        by_cone,
     );
 }

@@ -2,38 +2,13 @@
 
 @group(2) @binding(0) var triangle_ids: texture_2d<u32>;
 
-struct Surface {
-    @location(0) geometry: vec4<u32>,
-    @location(1) rotation: vec4<f32>,
-}
-
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Surface {
     let pixel = vec2<u32>(position.xy);
     let id = textureLoad(triangle_ids, pixel, 0).x;
     if id == 0u {
-        return Surface(vec4(0u), vec4(0.0, 0.0, 0.0, 1.0));
+        return NO_SURFACE;
     }
     let direction = ray(pixel, PINHOLE).direction;
-    let triangle = triangles[id - 1u];
-    let corners = triangle.vertices;
-    let hit = hit_triangle(id - 1u, direction);
-    let smoothed = smooth_normal(corners, hit, -direction);
-    let tangent = interpolated_tangent(corners, hit.barycentric);
-    let handedness = vertices[corners.x].handedness * hit.side;
-    let material = triangle.material & ~TWO_SIDED;
-    // A ground that catches shadows is flat and diffuse.
-    let catches = id > frame.catcher;
-    var bumped = smoothed;
-    if !catches {
-        bumped = bumped_normal(material, corners, hit.barycentric, frame_around(smoothed, tangent, handedness)).normal;
-    }
-    // The rotation alone; the mirroring is a flag.
-    let rotation = frame_around(facing(bumped, -direction), tangent, 1.0);
-    var flags = select(0u, FLAG_CATCHER, catches);
-    flags |= select(0u, FLAG_BACK, hit.side < 0.0);
-    flags |= select(0u, FLAG_MIRRORED, handedness < 0.0);
-    flags |= select(0u, FLAG_BLACK, hit.side < 0.0 && (triangle.material & TWO_SIDED) == 0u);
-    let b = bitcast<vec2<u32>>(hit.barycentric.yz);
-    return Surface(vec4(id, b, flags), quaternion_from_rotation(rotation));
+    return surface_seen(id, hit_triangle(id - 1u, direction), direction);
 }

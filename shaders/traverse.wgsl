@@ -1,5 +1,5 @@
 // Tests rays against a scene's triangles by traversing its box hierarchy. Twin of core/src/ray.rs: the same predicate, term by
-// term.
+// term. A program declares the hierarchy: `nodes`, and nine numbers per triangle, `corners`.
 
 struct BoxNode {
     low: vec3<f32>,
@@ -9,10 +9,6 @@ struct BoxNode {
     // Triangles of a leaf; 0 for other nodes.
     triangles: u32,
 }
-
-@group(0) @binding(0) var<storage, read> nodes: array<BoxNode>;
-// Nine numbers per triangle.
-@group(0) @binding(1) var<storage, read> corners: array<f32>;
 
 // Most waiting nodes: one per level, and the deepest.
 const MOST_LEVELS: u32 = 64u;

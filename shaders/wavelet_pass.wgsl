@@ -18,14 +18,16 @@ struct LitQuad {
 }
 
 const NO_QUAD: u32 = 0xffffffffu;
-// See LEAST_COSINE and LEAST_SIDE in render/src/light/bounce/wavelet.rs.
-const LEAST_CELL_COSINE: f32 = 1e-4;
+// See LEAST_SIDE in render/src/light/bounce/wavelet.rs.
 const LEAST_SIDE: u32 = 8u;
 
 @group(2) @binding(0) var<storage, read> quads: array<LitQuad>;
 @group(2) @binding(1) var<storage, read> quad_of_triangles: array<u32>;
 // Texel by texel, row by row; for each its cells.
 @group(2) @binding(2) var<storage, read> radiance: array<vec4<f32>>;
+
+@group(3) @binding(5) var environment_map: texture_2d<f32>;
+@group(3) @binding(6) var mirrored_map: texture_2d<f32>;
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
@@ -38,7 +40,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
     let quad = quad_of_triangles[begun.g.x - 1u];
     var as_baked = vec3(0.0);
     if quad != NO_QUAD && !is_behind {
-        as_baked = reflected(point, quad);
+        as_baked = reflected(point, quad) * rough_albedo(point, true) / max(albedo_of(point.brdf), vec3(1e-6));
     }
     return with_sample(begun, vec4(with_posed_bounce(point, is_behind, as_baked), 0.0), NO_WORK);
 }
@@ -56,10 +58,7 @@ fn reflected(point: SurfacePoint, index: u32) -> vec3<f32> {
         let wi = direction_of(cell, side);
         let arrives = patch_from_local * wi;
         if arrives.z > 0.0 {
-            let cos = max(wi.z, LEAST_CELL_COSINE);
-            let spread = weight * FRAC_1_PI / (4.0 * cos);
-            let reflected = brdf_cos(point.brdf, wi, point.wo, spread, point.slopes) / cos;
-            sum += arriving(texels, cell_of(arrives, quad.cells)) * reflected;
+            sum += arriving(texels, cell_of(arrives, quad.cells)) * cell_brdf(point, wi, weight);
         }
     }
     return max(sum * weight, vec3(0.0));
@@ -93,13 +92,6 @@ fn arriving(texels: Texels, cell: u32) -> vec3<f32> {
         + radiance[texels.first.y + cell].xyz * texels.weights.y
         + radiance[texels.first.z + cell].xyz * texels.weights.z
         + radiance[texels.first.w + cell].xyz * texels.weights.w;
-}
-
-// Twin of `HemisphereCells::direction_of`.
-fn direction_of(cell: u32, side: u32) -> vec3<f32> {
-    let center = (vec2(f32(cell % side), f32(cell / side)) + 0.5) / f32(side);
-    let disc = concentric(2.0 * center - 1.0);
-    return vec3(disc, sqrt(max(1.0 - dot(disc, disc), 0.0)));
 }
 
 // Twin of `HemisphereCells::cell_of`.

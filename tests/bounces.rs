@@ -101,6 +101,19 @@ fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
         assert!(wrong > error + 0.05, "negative control, light from other sides: {solution} {wrong}");
     }
 
+    // A wall of metal: sources that send by direction are nearer to paths than diffuse ones.
+    let metal =
+        r#"{"model": "ggx", "parameters": {"base_color": [0.9, 0.75, 0.6], "roughness": 0.447, "metalness": 1.0}}"#;
+    folder.write("metal.json", metal.into());
+    let [diffuse, glossy] = ["cuts+meshless", "cuts+gloss"].map(|solution| {
+        let options = "--env none --no-mirrors --size 48x36 --spp 1024 --aa 16 --no-samples --out truth --quiet";
+        let mut command = folder.command(&format!("bounces box.cuts --solution {solution} {options}"));
+        assert!(command.args(["--material", "Red paint=metal.json"]).status().expect("it starts").success());
+        folder.json("truth/bounces.json")["solutions"][0]["error"].as_f64().expect("a number")
+    });
+    assert!(glossy < 0.08, "{glossy}");
+    assert!(diffuse > 0.1, "negative control: {diffuse}");
+
     // White walls send on for ever: the picture says so, and that of gray ones does not.
     let errors = |color: &str| {
         let options = format!("--solution meshless --base-color {color} --backend cpu --out a.exr");
@@ -109,6 +122,55 @@ fn bounces_in_the_meshless_basis_are_those_of_traced_paths() {
     };
     assert!(errors("1,1,1").contains("bounce on"), "{}", errors("1,1,1"));
     assert!(!errors("0.5,0.5,0.5").contains("bounce on"));
+}
+
+/// Cells along a wall of the room.
+const CELLS: usize = 12;
+
+/// A closed room of two meters, seen from inside, whose walls shine and reflect.
+fn closed_room() -> String {
+    let (mut text, mut first) = ("mtllib room.mtl\no Room\nusemtl Walls\n".to_owned(), 1);
+    let across = |i: usize| 2.0 * i as f32 / CELLS as f32 - 1.0;
+    for (axis, side) in (0..3).flat_map(|axis| [-1.0_f32, 1.0].map(|side| (axis, side))) {
+        for (row, column) in (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (row, column))) {
+            let mut p = [side; 3];
+            (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (across(column), across(row));
+            text += &format!("v {} {} {}\n", p[0], p[1], p[2]);
+        }
+        for (row, column) in (0..CELLS).flat_map(|row| (0..CELLS).map(move |column| (row, column))) {
+            let at = |row: usize, column: usize| first + row * (CELLS + 1) + column;
+            let mut face = [at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)];
+            if side > 0.0 {
+                face.reverse();
+            }
+            text += &format!("f {} {} {} {}\n", face[0], face[1], face[2], face[3]);
+        }
+        first += (CELLS + 1) * (CELLS + 1);
+    }
+    text
+}
+
+/// With a reflectance r, light that was once 1 everywhere becomes 1 / (1 - r).
+#[test]
+fn light_in_a_closed_glossy_room_is_the_geometric_series() {
+    let folder = Folder::new();
+    folder.write("room.obj", closed_room());
+    folder.write("room.mtl", "newmtl Walls\nKd 0.5 0.5 0.5\nPm 1\nPr 0.7\nKe 1 1 1\n".into());
+    folder.succeed(&format!("bake room.obj -o room.cuts {} {BASIS}", BAKE.replace("indirect", "all")));
+    let inside = "--env none --components direct,indirect --no-mirrors --size 24x24 --eye 0.2,0.1,0.3 \
+                  --target -0.5,-0.2,-1 --fov 90";
+    let mean = |command: &str| {
+        folder.succeed(&format!("{command} {inside} --out a.exr"));
+        let squares = squares(&folder, "a.exr");
+        squares.iter().map(|square| square.x).sum::<f64>() / squares.len() as f64
+    };
+    let reflectance = mean("reference room.cuts --kind path --bounces 1 --spp 256") - 1.0;
+    assert!((0.35..0.5).contains(&reflectance), "{reflectance}");
+    let of = |solution: &str| mean(&format!("render room.cuts --backend cpu --solution {solution}"));
+    let (found, expected) = (of("cuts+gloss"), 1.0 / (1.0 - reflectance));
+    assert!((found / expected - 1.0).abs() < 0.03, "{found} for {expected}");
+    let once = of("cuts");
+    assert!(once / expected < 0.9, "negative control, one bounce: {once}");
 }
 
 #[test]

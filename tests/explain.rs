@@ -21,8 +21,10 @@ fn vector(value: &Value) -> Vec3 {
 #[test]
 fn the_nodes_of_a_pixel_sum_to_the_pixel_that_is_rendered() {
     let folder = folder();
-    folder.succeed(&format!("render a.cuts {VIEW} --backend cpu --out a.exr"));
-    let said = folder.succeed(&format!("explain a.cuts {VIEW} --pixel 20,22 --spp 8 --out why"));
+    folder.succeed(&format!("render a.cuts {VIEW} --no-mirrors --backend cpu --out a.exr"));
+    let with_rays = folder.succeed(&format!("explain a.cuts {VIEW} --pixel 20,22 --spp 8 --out why-rays"));
+    let said = folder.succeed(&format!("explain a.cuts {VIEW} --no-mirrors --pixel 20,22 --spp 8 --out why"));
+    assert!(with_rays.contains("a mirror: rays") && !said.contains("a mirror: rays"), "{with_rays}");
     assert!(said.contains("pixel 20,22") && said.contains("light samples"), "{said}");
     let json = folder.json("why/explain.json");
     let nodes = json["pixel"]["nodes"].as_array().expect("nodes");

@@ -4,7 +4,7 @@ use crate::common::{Folder, keys};
 use lapidary_core::dataset::Dataset;
 use lapidary_interchange::image;
 
-const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 96x72";
+const VIEW: &str = "--env sun-sky:50 --eye 0.5,3,3 --target 0,0.3,0 --fov 35 --size 96x72 --no-mirrors";
 
 /// A baked scene, or `None`, said aloud, where there is no adapter and none is required.
 fn baked() -> Option<Folder> {

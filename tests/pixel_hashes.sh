@@ -50,7 +50,7 @@ for ground in on shadow off; do
   picture "study-ground-$ground" study $sky --ground $ground
 done
 picture tower-clip tower $sky --animation data/bending-tower/bending-tower.gltf --time 0.5
-for solution in cuts meshless cuts+meshless; do
+for solution in cuts meshless cuts+meshless cuts+gloss; do
   picture "color-box-$solution" color-box --env none --solution $solution
   picture "color-box-posed-$solution" color-box --env none --solution $solution --pose tests/pixel_hashes_block.json
   picture "interior-$solution" interior $sky --solution $solution

@@ -1,6 +1,7 @@
 //! Color: the sRGB transfer function and primaries at the border, luminance inside. Twin of `shaders/color.wgsl`.
 
 mod primaries;
+pub mod shared_exponent;
 
 pub use primaries::Primaries;
 
@@ -17,6 +18,11 @@ pub const LARGEST_HALF: f32 = 65_504.0;
 #[inline]
 pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(LUMINANCE)
+}
+
+/// A change of light as a color: red adds, blue subtracts.
+pub fn signed_light(more: f32) -> Vec3 {
+    Vec3::new(more, 0.0, -more).max(Vec3::ZERO)
 }
 
 /// A color in linear Rec. 709 from other primaries. Infinite components become the largest 16-bit float: they would make NaN of

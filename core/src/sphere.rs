@@ -1,6 +1,7 @@
 //! Points and frames on the unit sphere.
 
 pub mod concentric;
+pub mod harmonics;
 pub mod octahedron;
 
 use glam::{Mat3, Vec3};
@@ -25,6 +26,11 @@ pub fn fibonacci_direction(i: usize, n: usize) -> Vec3 {
 /// All `n` spherical Fibonacci points.
 pub fn fibonacci_directions(n: usize) -> Vec<Vec3> {
     (0..n).map(|i| fibonacci_direction(i, n)).collect()
+}
+
+/// Inverse concentration of a lobe of directions of this solid angle in steradians: that of a disc with the same mean cosine.
+pub const fn inv_kappa_of(solid_angle: f32) -> f32 {
+    solid_angle / (2.0 * TAU)
 }
 
 /// An orthonormal frame with `normal` as its third column.

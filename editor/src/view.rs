@@ -97,6 +97,10 @@ fn picture(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
         let help = "Replaces all materials in the picture, not in the scene.";
         combo_row(ui, "Materials", help, &mut v.materials, &materials)
     });
+    edit_row(actions, "Mirrors", view, Edit::View, |v| {
+        let help = "Sharp reflections show the scene, along a ray for each sample; else the environment alone.";
+        check_row(ui, "Mirrors", help, &mut v.mirrors)
+    });
     edit_row(actions, "Wireframe", view, Edit::View, |v| {
         check_row(ui, "Wireframe", "Draws the edges of the baked triangles.", &mut v.wireframe)
     });
@@ -153,6 +157,7 @@ fn view_mode_meaning(mode: ViewMode) -> &'static str {
         ViewMode::BasisLevel => "Light that one level of the meshless basis adds or subtracts.",
         ViewMode::BasisFunction => "One function of the meshless basis.",
         ViewMode::BasisCoefficients => "The functions of the meshless basis that carry light, by level.",
+        ViewMode::Gloss => "Light that glossy surfaces send to others, over diffuse ones.",
     }
 }
 

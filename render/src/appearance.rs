@@ -2,6 +2,7 @@
 
 use glam::{Vec3, Vec4};
 use lapidary_core::{
+    brdf::narrow_widths,
     material::{Material, MaterialMaps, MaterialPoint, ResolvedMaterial, SurfaceAttributes},
     opacity::Opacities,
     scene::{Mesh, Scene},
@@ -97,6 +98,21 @@ impl Appearance {
         }
         (Self { materials, textures: self.textures.clone(), assigned: self.assigned.clone() }, remarks)
     }
+}
+
+/// The width of a material's narrowest lobe, with any of its mapped parameters as low as it goes; infinite without a lobe.
+pub(crate) fn narrowest_lobe(material: &Material) -> f32 {
+    let mapped = material.own_parameters().iter().filter(|p| material.maps.get(p.name).is_some());
+    let lowered = mapped.filter(|p| !p.is_color()).map(|p| {
+        let mut lowered = material.clone();
+        lowered.parameters.set(p.name, p.range[0]);
+        lowered
+    });
+    let narrowest = |material: Material| {
+        let widths = narrow_widths(material.plain_brdf().as_brdf().lobes());
+        widths.into_iter().filter(|&width| width > 0.0).fold(f32::INFINITY, f32::min)
+    };
+    lowered.chain([material.clone()]).map(narrowest).fold(f32::INFINITY, f32::min)
 }
 
 /// An appearance with all values that are constant over a material precomputed.

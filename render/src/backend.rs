@@ -42,6 +42,8 @@ pub struct ShadedSamples {
     pub environment: u64,
     /// Bounced light.
     pub bounce: u64,
+    /// What mirrors show.
+    pub mirrors: u64,
     /// Direct light of local lights.
     pub direct: u64,
     /// Direct light of local lights that were added.
@@ -50,8 +52,8 @@ pub struct ShadedSamples {
 
 impl ShadedSamples {
     /// Counts by [`LightPart`].
-    pub(crate) fn of([environment, bounce, direct, added]: [u64; LightPart::COUNT]) -> Self {
-        Self { environment, bounce, direct, added }
+    pub(crate) fn of([environment, bounce, mirrors, direct, added]: [u64; LightPart::COUNT]) -> Self {
+        Self { environment, bounce, mirrors, direct, added }
     }
 }
 

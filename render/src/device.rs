@@ -30,5 +30,6 @@ pub use implicit::{ForestTimes, GpuForest, GpuImplicit, SeenLight};
 pub(crate) use kernel::Kernel;
 pub(crate) use models::ModelSet;
 pub(crate) use radiosity::GpuRadiosity;
+pub(crate) use rays::BoxHierarchy;
 pub use rays::GpuRays;
 pub use shaders::ShaderSource;

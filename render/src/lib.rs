@@ -89,7 +89,7 @@ pub use reference::{
 pub use remedy::{Remedy, Wording};
 pub use renderer::Renderer;
 pub use sampling::BrdfSampling;
-pub use shade::{surface::SurfacePlace, unoccluded::UnoccludedShader};
+pub use shade::{mirror::rays::has_mirrors, surface::SurfacePlace, unoccluded::UnoccludedShader};
 pub use sketch::{STRIDES, Tiles, share_of_lattice};
 pub use stale::{Marks, Pixels, Stale};
 pub use view::{Background, Preview, Progress, Quiet, View};

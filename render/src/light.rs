@@ -10,6 +10,7 @@ pub(crate) mod light_counts;
 pub(crate) mod local;
 pub(crate) mod mirrored_map;
 pub(crate) mod node_row;
+pub(crate) mod sent;
 pub(crate) mod situation;
 pub(crate) mod sky;
 pub(crate) mod solver;

@@ -65,8 +65,8 @@ struct LitLook {
 /// Remarks, in sentences, on changes made to fit limits.
 #[derive(Default)]
 struct Remarks {
-    /// Remarks on the renderer's state: appearance, environment, and local lights. They are not repeated.
-    of: [Vec<String>; 3],
+    /// Remarks on the renderer's state: appearance, environment, and local lights; and on the look. They are not repeated.
+    of: [Vec<String>; 4],
     untold: Vec<String>,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     Appearance, Baked, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Renderer, Solution, Stale, View,
-    light::situation::Changes, shade::background::caught_per_radiance,
+    ViewMode, light::situation::Changes, shade::background::caught_per_radiance,
 };
 use lapidary_core::{
     cut::lit::DEFAULT_TAU,
@@ -47,9 +47,13 @@ impl Look {
         caught_per_radiance(&self.view, environment, *intensity, self.components.environment).is_some()
     }
 
-    /// Solution of bounced light in its picture: views of the meshless basis show the basis's own.
+    /// Solution of bounced light in its picture: a view of one shows that one's own.
     pub fn shown_solution(&self) -> Solution {
-        if self.view.mode.is_of_basis() { Solution::Meshless } else { self.solution }
+        match self.view.mode {
+            ViewMode::Gloss => Solution::CutsGloss,
+            mode if mode.is_of_basis() => Solution::Meshless,
+            _ => self.solution,
+        }
     }
 
     /// A renderer for the scene with the look's materials and poses, or in its baked poses if these are invalid; missing materials

@@ -4,6 +4,8 @@ use crate::{
     appearance::{Appearance, ResolvedAppearance},
     baked::Baked,
     light::environment::{Illumination, LightRig, SceneLighting},
+    shade::mirror::rays,
+    stale::Marks,
 };
 use lapidary_core::{dataset::Dataset, offset, opacity::Opacities, ray::Intersector};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -14,6 +16,8 @@ pub struct Renderer {
     pub(crate) appearance: ResolvedAppearance,
     baked: Baked,
     opacities: Opacities,
+    /// Materials that mirror, see [`rays::marks`].
+    pub(crate) mirrors: Marks,
     /// Casts rays if opacities differ from the bake.
     own_rays: Option<Intersector>,
     /// Largest offset in meters of shadow ray origins from a surface.
@@ -28,10 +32,12 @@ impl Renderer {
         let baked = baked.into();
         baked.intersector();
         let dataset = baked.dataset.clone();
-        let appearance = Appearance::of(&dataset.scene).into();
+        let appearance = Appearance::of(&dataset.scene);
+        let mirrors = rays::marks(&appearance, dataset.tree.leaf_solid_angle());
         let largest_offset = offset::LARGEST * dataset.scene.mesh.bounds().diagonal();
         let opacities = baked.opacities();
-        Self { dataset, appearance, baked, opacities, own_rays: None, largest_offset, rig: OnceLock::new() }
+        let (appearance, rig) = (appearance.into(), OnceLock::new());
+        Self { dataset, appearance, baked, opacities, mirrors, own_rays: None, largest_offset, rig }
     }
 
     /// The same surfaces in a posed scene.
@@ -56,6 +62,7 @@ impl Renderer {
         if opacities != self.opacities {
             self.take_opacities(opacities);
         }
+        self.mirrors = rays::marks(&appearance, self.dataset.tree.leaf_solid_angle());
         self.appearance = appearance;
     }
 

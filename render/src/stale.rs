@@ -12,6 +12,8 @@ pub(crate) enum LightPart {
     Environment,
     /// Bounced light.
     Bounce,
+    /// Light of all kinds that mirrors show, and the map around it, see [`crate::shade::mirror`].
+    Mirrors,
     /// Direct light of local lights.
     Direct,
     /// Direct light of local lights added after the pixels had all samples of [`Self::Direct`].
@@ -20,9 +22,9 @@ pub(crate) enum LightPart {
 
 impl LightPart {
     /// Number of parts.
-    pub const COUNT: usize = 4;
+    pub const COUNT: usize = 5;
     /// All parts.
-    pub const ALL: [Self; Self::COUNT] = [Self::Environment, Self::Bounce, Self::Direct, Self::Added];
+    pub const ALL: [Self; Self::COUNT] = [Self::Environment, Self::Bounce, Self::Mirrors, Self::Direct, Self::Added];
 }
 
 /// Surfaces in a pixel or changed by an edit: sets of materials and of mesh patches, by index modulo 64. Overlapping sets may still
@@ -149,6 +151,8 @@ impl Stale {
         match part {
             LightPart::Environment => self.environment,
             LightPart::Bounce => self.bounce,
+            // Anything may show in a mirror.
+            LightPart::Mirrors => Pixels::all_if(self.any()),
             LightPart::Direct | LightPart::Added => self.direct,
         }
     }

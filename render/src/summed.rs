@@ -3,7 +3,7 @@
 use crate::{
     light::light_counts::{LightCounts, light_key},
     sampling::BrdfSampling,
-    stale::{LightPart, Pixels, Stale},
+    stale::{LightPart, Marks, Pixels, Stale},
     view::View,
     view_mode::ViewMode,
 };
@@ -69,14 +69,18 @@ pub(crate) enum DirectStep {
 }
 
 impl DirectStep {
-    /// The pixels that lose their samples of a part by this step and by edits.
-    pub fn forgets(self, stale: &Stale, part: LightPart) -> Pixels {
+    /// The pixels that lose their samples of a part by this step and by edits, in a scene with these mirrors.
+    pub fn forgets(self, stale: &Stale, part: LightPart, mirrors: Marks) -> Pixels {
         let begins_anew = match part {
             LightPart::Environment | LightPart::Bounce => false,
             LightPart::Direct => self == Self::Anew,
-            LightPart::Added => self != Self::Keep,
+            LightPart::Added | LightPart::Mirrors => self != Self::Keep,
         };
-        stale.pixels(part).and(Pixels::all_if(begins_anew))
+        match stale.pixels(part).and(Pixels::all_if(begins_anew)) {
+            // Pixels that showed mirrors before have a changed material.
+            Pixels::All if part == LightPart::Mirrors => Pixels::Showing(mirrors).and(stale.environment),
+            pixels => pixels,
+        }
     }
 }
 

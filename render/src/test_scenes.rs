@@ -1,5 +1,7 @@
 //! Scenes, lights and views shared by tests, small enough for known answers.
 
+mod mirrors;
+
 use crate::{
     Appearance, Background, Baked, BrdfSampling, Changes, Components, Illumination, LocalLighting, LocalRig,
     PictureStats, RenderStats, Renderer, SceneLighting, Situation, Solution, Tier, View,
@@ -10,6 +12,7 @@ use crate::{
         background::{Backdrop, BlurCache},
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
+        seen_scene::SeenScene,
         surface::{FirstHit, SurfacePoint, Surfaces},
     },
 };
@@ -33,6 +36,10 @@ use lapidary_core::{
     scene::{Mesh, Object, Scene, pose::Poses},
     sources::{IndirectBake, Source},
     surfel::{MeshPlace, Surfel},
+};
+pub(crate) use mirrors::{
+    from_below, into_bowl, metal, mirror, mirror_bowl, mirror_under_ball, mirror_under_plate, toward_mirror,
+    two_mirrors_and_plate,
 };
 use std::{
     f32::consts::PI,
@@ -122,6 +129,11 @@ pub(crate) const LIGHTS: usize = 4096;
 
 /// A floor of `cells` x `cells` squares over [-2, 2]², with a horizontal blocker of half-width 0.5 at height 1 if `blocker`.
 pub(crate) fn mesh(cells: u32, blocker: bool) -> Mesh {
+    floor_under_plate(cells, blocker.then_some(1))
+}
+
+/// The same with the squares along each edge of the blocker.
+fn floor_under_plate(cells: u32, of_plate: Option<u32>) -> Mesh {
     let mut mesh = Mesh::default();
     let mut grid = |cells: u32, half: f32, y: f32, flip: bool| {
         let first = mesh.positions.len() as u32;
@@ -143,9 +155,9 @@ pub(crate) fn mesh(cells: u32, blocker: bool) -> Mesh {
         }
     };
     grid(cells, 2.0, 0.0, false);
-    if blocker {
-        grid(1, 0.5, 1.0, false);
-        grid(1, 0.5, 0.999, true);
+    if let Some(cells) = of_plate {
+        grid(cells, 0.5, 1.0, false);
+        grid(cells, 0.5, 0.999, true);
     }
     mesh.triangle_material = vec![0; mesh.triangles.len()];
     mesh.triangle_object = vec![0; mesh.triangles.len()];
@@ -451,7 +463,8 @@ impl Renderer {
         let start = Instant::now();
         let backdrop = Backdrop::new(view, Some(light), true, &mut BlurCache::default());
         let sampler = PixelSampler::new(self, view, &backdrop);
-        let light = PictureLight { environment: Some(lighting), ..Default::default() };
+        let mirrored = SeenScene::in_mirrors(self, view, sampling, &backdrop);
+        let light = PictureLight { environment: Some(lighting), mirrored, ..Default::default() };
         let painter = || Painter::new(view, &self.dataset, light, sampling);
         let mut picture = Picture::new(view.size, light.parts(view.mode), None);
         for sample in 0..view.aa.max(1) {

@@ -37,6 +37,9 @@ pub struct View {
     pub hides_background: bool,
     /// How the ground is shown, if the scene has one.
     pub ground: Ground,
+    /// Whether sharp reflections show the scene, see [`crate::BrdfSampling::Once`] for the exception; else they show the environment
+    /// alone, and bounced light as baked.
+    pub mirrors: bool,
     /// The quantity that the pixels show.
     pub mode: ViewMode,
     /// Selection for the modes of the meshless basis.
@@ -57,6 +60,7 @@ impl View {
             background: Background::Environment,
             hides_background: false,
             ground: Ground::On,
+            mirrors: true,
             mode: ViewMode::Shaded,
             basis: BasisView::default(),
             wireframe: false,

@@ -36,6 +36,8 @@ pub enum ViewMode {
     BasisFunction,
     /// Centers of functions with nonzero coefficients, in the color of their level.
     BasisCoefficients,
+    /// What bounced light gains where sources send by direction, over that of diffuse ones: red adds, blue subtracts.
+    Gloss,
 }
 
 /// Level and function in the views of the meshless basis.
@@ -50,7 +52,7 @@ pub struct BasisView {
 
 impl ViewMode {
     /// All modes in menu order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Shaded,
         Self::Normals,
         Self::Albedo,
@@ -61,6 +63,7 @@ impl ViewMode {
         Self::BasisLevel,
         Self::BasisFunction,
         Self::BasisCoefficients,
+        Self::Gloss,
     ];
 
     /// Display name.
@@ -76,6 +79,7 @@ impl ViewMode {
             Self::BasisLevel => "Basis level",
             Self::BasisFunction => "Basis function",
             Self::BasisCoefficients => "Basis coefficients",
+            Self::Gloss => "Light by gloss",
         }
     }
 
@@ -84,9 +88,14 @@ impl ViewMode {
         matches!(self, Self::BasisLevel | Self::BasisFunction | Self::BasisCoefficients)
     }
 
+    /// Whether pixels show a part of bounced light; they are black without it.
+    pub fn is_of_bounce(self) -> bool {
+        self.is_of_basis() || self == Self::Gloss
+    }
+
     /// Whether pixels show light, to which exposure applies.
     pub fn is_light(self) -> bool {
-        matches!(self, Self::Shaded | Self::BasisLevel)
+        matches!(self, Self::Shaded | Self::BasisLevel | Self::Gloss)
     }
 
     /// Whether pixels are counts, shown in false colors with a legend.

@@ -62,6 +62,8 @@ class Lapidary:
         self.args = args
         color = ",".join(map(str, BASE_COLOR))
         self.view = [args.cuts, "--env", args.env, "--rotate", args.rotate, "--size", args.size, "--background", "black"]
+        # Direct light alone, as Cycles renders it here.
+        self.view += ["--no-mirrors"]
         self.view += ["--lights", "none", "--base-color", color, "--metalness", 1, "--roughness", AFTER]
 
     def run(self, command, *arguments):

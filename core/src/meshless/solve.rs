@@ -135,6 +135,19 @@ impl Solver {
         self.projection.pull_push(&samples)
     }
 
+    /// Radiance that the points of the senders send after all bounces of a solution, in W/(m² sr): what they reflect of direct light
+    /// and of the bounces, and what they emit. Arguments are those of [`Self::solve_with_emission`].
+    pub fn sent(&self, solution: &Solution, irradiance: &[Vec3], reflectance: &[Vec3], emission: &[Vec3]) -> Vec<Vec3> {
+        let bounced = self.arriving(&solution.coefficients[..irradiance.len()]);
+        let received =
+            irradiance.iter().zip(&bounced).map(|(&direct, &bounced)| finite(direct) + bounced.max(Vec3::ZERO));
+        let surfaces = reflectance.iter().zip(emission);
+        let sent = |(received, (&rho, &emitted)): (Vec3, (&Vec3, &Vec3))| {
+            received * usable_reflectance(rho) * FRAC_1_PI + usable(emitted)
+        };
+        received.zip(surfaces).map(sent).collect()
+    }
+
     /// Irradiance at the points of the senders from coefficients of their levels.
     fn arriving(&self, received: &[Mat3A]) -> Vec<Vec3> {
         let at_points = self.at_senders.apply(received);

@@ -115,7 +115,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands.
-pub const BINDINGS: [Binding; 44] = [
+pub const BINDINGS: [Binding; 45] = [
     binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -159,6 +159,7 @@ pub const BINDINGS: [Binding; 44] = [
     mode(ViewMode::BasisLevel, "Basis level", &[(NONE, Key::Num8)]),
     mode(ViewMode::BasisFunction, "Basis function", &[(NONE, Key::Num9)]),
     mode(ViewMode::BasisCoefficients, "Basis coefficients", &[(NONE, Key::Num0)]),
+    mode(ViewMode::Gloss, "Light by gloss", &[(NONE, Key::G)]),
     binds("File", Command::Quit, "Quit", &[(Modifiers::ALT, Key::F4)]),
 ];
 

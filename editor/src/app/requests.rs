@@ -95,6 +95,7 @@ pub fn view_of(document: &Document, size: [u32; 2]) -> View {
         aa: view.aa,
         background: view.background(),
         ground: document.bake.ground,
+        mirrors: view.mirrors,
         mode: view.mode,
         basis: view.basis,
         wireframe: view.wireframe,

@@ -43,6 +43,8 @@ pub struct ViewSettings {
     pub tau: f32,
     /// How the BRDF is sampled on merged nodes.
     pub sampling: BrdfSampling,
+    /// Whether sharp reflections show the scene.
+    pub mirrors: bool,
     /// Jittered frames that are averaged at rest, 1 to 256.
     pub aa: u32,
     /// The quantity that the pixels show.
@@ -67,6 +69,7 @@ impl Default for ViewSettings {
             illum_cut: 256,
             tau: DEFAULT_TAU,
             sampling: BrdfSampling::default(),
+            mirrors: true,
             aa: 16,
             mode: ViewMode::default(),
             basis: BasisView::default(),

@@ -125,6 +125,9 @@ fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
         let share = 100.0 * luminance(explanation.mirror) / whole;
         rows.push(("Mirror".into(), format!("{share:.1} %, from the map instead of nodes")));
     }
+    if explanation.has_rays {
+        rows.push(("Mirror".into(), "shows the scene by rays, in place of this light around its direction".into()));
+    }
     let [r, g, b] = explanation.radiance.to_array();
     rows.push(("Radiance".into(), format!("{r:.3}, {g:.3}, {b:.3}")));
     Grid::new("explained cuts").num_columns(2).show(ui, |ui| {

@@ -37,7 +37,7 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
             words(painter, rect, &[colors, format!("{points} points in {clusters} clusters")]);
         }
         (ViewMode::Normals, _) => ball(painter, rect, &context.document.camera),
-        (mode, _) if mode.is_of_basis() => words(painter, rect, &of_basis(mode, view.basis)),
+        (mode, _) if mode.is_of_bounce() => words(painter, rect, &of_bounce(mode, view.basis)),
         (mode, _) => {
             let gathered = Gathered::of(mode, context);
             bar(painter, rect, &ColorScale::of(mode, view.sampling, view.illum_cut, gathered));
@@ -45,10 +45,10 @@ pub fn paint(painter: &Painter, rect: Rect, context: &ViewportContext) {
     }
 }
 
-/// Legend of a view of the meshless basis, in two lines.
-fn of_basis(mode: ViewMode, basis: BasisView) -> [String; 2] {
+/// Legend of a view of a part of bounced light, in two lines.
+fn of_bounce(mode: ViewMode, basis: BasisView) -> [String; 2] {
     let second = match mode {
-        ViewMode::BasisLevel => "Red adds light, blue subtracts it",
+        ViewMode::BasisLevel | ViewMode::Gloss => "Red adds light, blue subtracts it",
         ViewMode::BasisFunction => "Red where it is 1, gray where it is 0",
         _ => "One color per level; red is the coarsest",
     };
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn views_of_the_basis_say_what_of_it_they_show() {
-        let of = |mode| of_basis(mode, BasisView { level: 2, function: 12_345 })[0].clone();
+        let of = |mode| of_bounce(mode, BasisView { level: 2, function: 12_345 })[0].clone();
         assert_eq!(of(ViewMode::BasisLevel), "Basis level 2");
         assert_eq!(of(ViewMode::BasisFunction), "Basis function 12,345");
         assert_eq!(of(ViewMode::BasisCoefficients), "Basis coefficients");

@@ -58,18 +58,17 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
 }
 
 /// Reads a picture file, or a layer of it, whose colors are in this space. Of a file that shows no layer by default, the first
-/// is read. Also returns that, as a sentence.
+/// is read. Also returns that, and primaries that cannot be used, as sentences: such colors are taken for linear Rec. 709.
 ///
 /// The space replaces what the file says of its colors: the primaries that it names, and the XYZ of a Radiance file.
 ///
 /// # Errors
-/// A file that is unreadable, not a picture, or too large, lacks the layer, or has scales or, where the space is
-/// [`ColorSpace::Srgb`], primaries that cannot be used.
+/// A file that is unreadable, not a picture, or too large, lacks the layer, or has scales that cannot be used.
 pub fn read_in(path: &Path, color_space: ColorSpace) -> Result<(Image, Vec<String>), ImageError> {
     let (file, layer) = file_and_layer(path);
     let (image, mut remarks) = linear_image(file, layer, color_space)?;
     remarks.retain(|remark| !remark.is_settled_by(color_space));
-    match remarks.iter().find(|remark| !matches!(remark, Remark::Layers(_))) {
+    match remarks.iter().find(|remark| matches!(remark, Remark::Scale(_))) {
         Some(remark) => Err(remark.refusal(file)),
         None => Ok((image, remarks.iter().map(Remark::text).collect())),
     }

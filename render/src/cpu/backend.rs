@@ -21,8 +21,9 @@ use crate::{
         direct::DirectLights,
         painter::{Painter, PictureLight},
         pixel_sampler::PixelSampler,
+        seen_scene::SeenScene,
     },
-    stale::{LightPart, Stale},
+    stale::{LightPart, Marks, Stale},
     summed::{DirectStep, Summed, SummedLights},
     view::View,
 };
@@ -69,12 +70,12 @@ struct Begun {
 
 impl Begun {
     /// Drops results that edits made stale.
-    fn forget(&mut self, stale: &Stale, step: DirectStep) {
+    fn forget(&mut self, stale: &Stale, step: DirectStep, mirrors: Marks) {
         let picture = &mut self.picture;
         if step == DirectStep::MergeAndAdd {
             picture.merge_added();
         }
-        LightPart::ALL.into_iter().for_each(|part| picture.forget(part, step.forgets(stale, part)));
+        LightPart::ALL.into_iter().for_each(|part| picture.forget(part, step.forgets(stale, part, mirrors)));
     }
 }
 
@@ -84,6 +85,7 @@ fn light_of<'a>(
     environment: Option<&'a (Illumination, Arc<SceneLighting>)>,
     local: &'a LocalLighting,
     lights: &'a SummedLights,
+    mirrored: Option<SeenScene<'a>>,
 ) -> PictureLight<'a> {
     let shown = |lights: &'a Vec<Light>| {
         let intersector = renderer.filter(|_| !lights.is_empty())?.intersector();
@@ -97,6 +99,7 @@ fn light_of<'a>(
         posed_bounce: local.posed.as_deref().filter(|_| local.components.indirect),
         local: shown(&lights.direct),
         added: shown(&lights.added),
+        mirrored,
     }
 }
 
@@ -138,7 +141,8 @@ impl CpuBackend {
         let (renderer, begun) = (self.renderer.as_ref()?, self.begun.as_mut()?);
         let Begun { summed: Summed { view, sampling, lights, complete }, backdrop, picture } = begun;
         let environment = self.light.as_ref().filter(|_| self.local.components.environment);
-        let light = light_of(Some(renderer), environment, &self.local, lights);
+        let mirrored = SeenScene::in_mirrors(renderer, view, *sampling, backdrop);
+        let light = light_of(Some(renderer), environment, &self.local, lights, mirrored);
         let sampler = PixelSampler::new(renderer, view, backdrop);
         // Without bounces no edit changes the light of other surfaces.
         let patches = renderer.dataset.has_bounces().then(|| renderer.patches());
@@ -214,13 +218,15 @@ impl Backend for CpuBackend {
         let known = kept.as_ref().map(|begun| &begun.summed);
         summed.lights = known.map(|summed| summed.lights.clone()).unwrap_or_default();
         let step = summed.lights.update(&lights, known.is_some_and(Summed::is_complete));
-        let shown = light_of(self.renderer.as_ref(), self.shown_environment(), &self.local, &summed.lights);
-        let parts = shown.parts(view.mode);
+        let renderer = self.renderer.as_ref();
+        let scene = renderer.and_then(|renderer| SeenScene::in_mirrors(renderer, view, sampling, &backdrop));
+        let parts = light_of(renderer, self.shown_environment(), &self.local, &summed.lights, scene).parts(view.mode);
+        let mirrors = renderer.map(|renderer| renderer.mirrors).unwrap_or_default();
         self.sketch.begin(&view.camera, view.size, last.as_ref().map(|begun| &begun.picture));
         let picture = match kept {
             None => Picture::new(view.size, parts, last.map(|begun| begun.picture)),
             Some(mut begun) => {
-                begun.forget(stale, step);
+                begun.forget(stale, step, mirrors);
                 begun.picture.resume(parts);
                 begun.picture
             }

@@ -14,7 +14,7 @@ pub fn display_pixel(mode: ViewMode, post: &Post, count_top: f32, value: Vec3) -
         return Vec3::new(1.0, 0.0, 1.0);
     }
     match mode {
-        ViewMode::Shaded | ViewMode::BasisLevel => post.display(value),
+        ViewMode::Shaded | ViewMode::BasisLevel | ViewMode::Gloss => post.display(value),
         ViewMode::Albedo => value.map(srgb_from_linear),
         ViewMode::Normals | ViewMode::Roughness | ViewMode::BasisFunction | ViewMode::BasisCoefficients => {
             value.clamp(Vec3::ZERO, Vec3::ONE)

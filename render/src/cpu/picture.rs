@@ -3,12 +3,13 @@
 
 mod filled;
 mod row;
+pub(crate) mod smoothed;
 
 use crate::{
     backend::{PictureStats, ShadedSamples},
     cpu::display::display_pixel,
     post::Post,
-    shade::direct::pixel_shift,
+    shade::direct::{pixel_shift, ray_shift},
     shade::{
         painter::{Painter, SeenOfParts},
         pixel_sampler::{PixelSampler, Sight},
@@ -46,6 +47,8 @@ pub(super) struct Sum {
     value: Vec3,
     /// Share of the light that a ground transmits, in a picture with an alpha channel. [`Self::value`] includes it.
     through: f32,
+    /// Sum of the widths of sharp lobes, for what mirrors show.
+    width: f32,
     samples: u32,
     merged_nodes: u32,
     brdf_evaluations: u32,
@@ -248,10 +251,12 @@ impl Picture {
 
     /// Sum of all parts of a pixel as displayed, and its coverage.
     fn stand_in(&self, pixel: usize) -> (Vec3, f32) {
-        let shown = LightPart::ALL.into_iter().map(|part| self.shown_at(part, pixel)).sum::<Vec3>();
+        let mirrored = self.shown_at(LightPart::Mirrors, pixel);
+        let others = LightPart::ALL.into_iter().filter(|&part| part != LightPart::Mirrors);
+        let shown = others.map(|part| self.shown_at(part, pixel)).sum::<Vec3>();
         match self.filled.through.get(pixel) {
             Some(true) => (Vec3::ZERO, (1.0 - shown.x).max(0.0)),
-            _ => (shown, 1.0),
+            _ => (shown + mirrored, 1.0),
         }
     }
 
@@ -267,8 +272,14 @@ impl Picture {
 
     /// Mean over the samples of a pixel.
     fn mean(&self, pixel: usize) -> Vec3 {
-        let mean = |sum: &Sum| (sum.value - sum.through) / sum.samples.max(1) as f32;
-        self.parts.iter().filter_map(|sums| sums.get(pixel)).map(mean).sum()
+        self.parts.iter().filter_map(|sums| sums.get(pixel)).map(Sum::shown).sum()
+    }
+
+    /// The same for the display of a picture that will have so many samples.
+    fn mean_so_far(&self, pixel: usize, samples: u32) -> Vec3 {
+        let others = LightPart::ALL.into_iter().filter(|&part| part != LightPart::Mirrors);
+        let others = others.filter_map(|part| self.parts[part as usize].get(pixel)).map(Sum::shown).sum::<Vec3>();
+        others + self.smoothed(pixel, samples)
     }
 
     /// Share of a pixel that hides the background.
@@ -301,15 +312,18 @@ impl Picture {
             return [0; 4];
         }
         // The background must not show where the picture has no coverage, so the mean is over covered samples.
-        let shown = display_pixel(view.mode, post, count_top, self.mean(pixel) / alpha);
+        let shown = display_pixel(view.mode, post, count_top, self.mean_so_far(pixel, view.aa) / alpha);
         let [r, g, b] = wireframe::over(shown, seen.wire / (alpha * seen.samples as f32)).to_array();
         [r, g, b, alpha].map(|v| (255.0 * v + 0.5) as u8)
     }
 
     pub fn stats(&self) -> PictureStats {
         let points: u64 = self.seen.par_iter().map(|seen| u64::from(seen.surfaces)).sum();
+        // Not that of points which mirrors show.
+        let counted = LightPart::ALL.into_iter().filter(|&part| part != LightPart::Mirrors);
         let mean = |of: fn(&Sum) -> u32| {
-            let sums = self.parts.iter().map(|sums| sums.par_iter().map(|sum| u64::from(of(sum))).sum::<u64>());
+            let parts = counted.clone().map(|part| &self.parts[part as usize]);
+            let sums = parts.map(|sums| sums.par_iter().map(|sum| u64::from(of(sum))).sum::<u64>());
             sums.sum::<u64>() as f64 / points.max(1) as f64
         };
         PictureStats {
@@ -327,9 +341,10 @@ impl Sum {
         part: LightPart,
         (sampler, painter): (&PixelSampler, &mut Painter),
         sight: &Sight,
-        (shift, seen_lights): (Vec2, SeenOfParts),
+        ([x, y, sample], seen_lights): ([u32; 3], SeenOfParts),
     ) {
         self.samples += 1;
+        let shift = if part == LightPart::Mirrors { ray_shift } else { pixel_shift };
         match &sight.seen {
             // Other modes show surfaces only: an environment is not a count.
             FirstHit::Background if part == LightPart::Environment && sampler.view.mode == ViewMode::Shaded => {
@@ -337,13 +352,23 @@ impl Sum {
             }
             FirstHit::Background | FirstHit::Back => {}
             FirstHit::Surface(point) => {
-                let value = painter.part(part, point, shift, seen_lights);
+                let shift = shift(x, y, sample);
+                if part == LightPart::Mirrors {
+                    self.width += painter.width_of_mirror(point);
+                }
                 if sampler.lets_light_through(point) {
-                    let share = sampler.share_let_through(value);
+                    let [reflected, caught] = match part {
+                        LightPart::Mirrors => {
+                            let [reflected, hidden] = painter.over_ground(point, shift);
+                            [reflected, -hidden]
+                        }
+                        _ => [Vec3::ZERO, painter.part(part, point, shift, seen_lights)],
+                    };
+                    let share = sampler.share_let_through(caught);
                     self.through += share;
-                    self.value += share;
+                    self.value += reflected + share;
                 } else {
-                    self.value += value;
+                    self.value += painter.part(part, point, shift, seen_lights);
                 }
                 let work = painter.take_work();
                 self.merged_nodes += work.merged_nodes as u32;
@@ -371,7 +396,7 @@ impl FirstSample {
         let sums = LightPart::ALL.map(|part| {
             lacks[part as usize].then(|| {
                 let mut sum = Sum::default();
-                sum.add(part, (sampler, &mut *painter), sight, (pixel_shift(x, y, 0), seen_lights));
+                sum.add(part, (sampler, &mut *painter), sight, ([x, y, 0], seen_lights));
                 sum
             })
         });

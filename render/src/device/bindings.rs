@@ -51,6 +51,9 @@ pub struct GroupLayout {
 }
 
 impl GroupLayout {
+    /// Of a group without bindings, before others that a program has.
+    pub const EMPTY: Self = Self { name: "Nothing", bindings: &[] };
+
     /// The layout on a device, which has equal ones but once.
     pub fn on(&self, gpu: &GpuDevice) -> BindGroupLayout {
         let entry = |(index, (_, kind)): (usize, &(&str, Binding))| wgpu::BindGroupLayoutEntry {

@@ -105,11 +105,13 @@ bind_groups! {
 
 /// Rays for bakes. Its groups are [`Hierarchy`] and [`RayWork`]: it runs in no slices. Twin of `Intersector::trace_batch` in
 /// core/src/ray/batch.rs.
-pub const RAYS: Program = Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "rays_pass"]] };
+pub const RAYS: Program =
+    Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "hierarchy", "rays_pass"]] };
 
 /// First hits of the rays of receivers. Its groups are [`Hierarchy`] and [`FanWork`]: it runs in no slices. Twin of
 /// `Intersector::closest_hits` in core/src/ray/closest.rs.
-pub const FANS: Program = Program { name: "fans_pass", parts: [&[], &["ordered", "traverse", "fans_pass"]] };
+pub const FANS: Program =
+    Program { name: "fans_pass", parts: [&[], &["ordered", "traverse", "hierarchy", "fans_pass"]] };
 
 /// What kernels of implicit visibility begin with.
 const FOREST: &[&str] = &["slice", "ordered", "forest"];

@@ -39,7 +39,23 @@ pub struct FrameUniforms {
     pub mirrored_height: u32,
     pub shows_emission: u32,
     pub sample_distance: f32,
-    pub padding: [u32; 2],
+    /// Flags `SEEN_...`.
+    pub seen: u32,
+    pub brightest: f32,
+    pub picture_sample: u32,
+    pub of_lobe: f32,
+    pub picture_stride: [u32; 2],
+}
+
+/// `MirroredScene` of `mirrored_surface_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct MirroredScene {
+    /// First triangle of a ground, [`u32::MAX`] without one.
+    pub ground: u32,
+    pub shows_ground: u32,
+    pub largest_offset: f32,
+    pub padding: u32,
 }
 
 /// `PastUniforms` of `predict_pass.wgsl`.
@@ -292,6 +308,7 @@ pub struct Display {
     pub view_mode: u32,
     pub transparent: u32,
     pub lets_light_through: u32,
+    pub samples: u32,
 }
 
 /// `StaleMarks` of `keep_pass.wgsl`.
@@ -357,6 +374,7 @@ pub struct BasisUniforms {
     pub shown_level: u32,
     pub shown_function: u32,
     pub of_objects: u32,
+    pub directional_levels: u32,
 }
 
 /// `BasisFunction` of `meshless_pass.wgsl`.
@@ -425,6 +443,11 @@ pub mod constants {
     pub const FIELD_NONE: u32 = 0;
     pub const FIELD_ENVIRONMENT: u32 = 1;
     pub const FIELD_SOURCES: u32 = 2;
+    pub const NO_MIRRORS: u32 = 0;
+    pub const MIRRORS_READ_MAP: u32 = 1;
+    pub const MIRRORS_HAVE_RAYS: u32 = 2;
+    pub const SEEN_WITH_MIRRORS: u32 = 1;
+    pub const SEEN_IN_MIRRORS: u32 = 2;
     pub const EMISSION_POINT: u32 = 0;
     pub const EMISSION_SPOT: u32 = 1;
     pub const EMISSION_DIRECTIONAL: u32 = 2;

@@ -87,19 +87,36 @@ impl RayDevices for GpuRays {
 
 /// The hierarchy of a scene, bound.
 pub(super) fn hierarchy(gpu: &GpuDevice, scene: &Intersector) -> Result<wgpu::BindGroup, BackendError> {
-    let (nodes, triangles) = scene.hierarchy();
-    gpu.within("the hierarchy", "levels", levels(&nodes) as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
-    let mut nodes: Vec<layout::BoxNode> = nodes.iter().map(packed).collect();
-    let mut corners: &[f32] = bytemuck::cast_slice(triangles);
-    if nodes.is_empty() {
-        // A buffer has contents: a triangle without an area, which no ray crosses.
-        (nodes, corners) = (vec![layout::BoxNode { triangles: 1, ..Zeroable::zeroed() }], &[0.0; 9]);
-    }
-    let bytes = size_of_val(corners).max(size_of_val(&nodes[..])) as u64;
-    gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
-    let nodes = storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes));
-    let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
+    let BoxHierarchy { nodes, corners } = BoxHierarchy::new(gpu, scene)?;
     Ok(Hierarchy { nodes: &nodes, corners: &corners }.bind(gpu))
+}
+
+/// The hierarchy of a scene on the GPU, without thin surfaces.
+pub(crate) struct BoxHierarchy {
+    pub nodes: wgpu::Buffer,
+    pub corners: wgpu::Buffer,
+}
+
+impl BoxHierarchy {
+    /// Uploads it.
+    ///
+    /// # Errors
+    /// A hierarchy that the adapter has no room for.
+    pub fn new(gpu: &GpuDevice, scene: &Intersector) -> Result<Self, BackendError> {
+        let (nodes, triangles) = scene.hierarchy();
+        gpu.within("the hierarchy", "levels", levels(&nodes) as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
+        let mut nodes: Vec<layout::BoxNode> = nodes.iter().map(packed).collect();
+        let mut corners: &[f32] = bytemuck::cast_slice(triangles);
+        if nodes.is_empty() {
+            // A buffer has contents: a triangle without an area, which no ray crosses.
+            (nodes, corners) = (vec![layout::BoxNode { triangles: 1, ..Zeroable::zeroed() }], &[0.0; 9]);
+        }
+        let bytes = size_of_val(corners).max(size_of_val(&nodes[..])) as u64;
+        gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
+        let nodes = storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes));
+        let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
+        Ok(Self { nodes, corners })
+    }
 }
 
 /// The pipeline of a program whose groups are [`Hierarchy`] and its work.

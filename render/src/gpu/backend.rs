@@ -6,6 +6,7 @@ mod encode;
 mod groups;
 mod history;
 mod interface;
+mod mirrors;
 mod picture;
 mod pipelines;
 mod progress;

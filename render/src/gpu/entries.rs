@@ -2,8 +2,8 @@
 
 use super::{
     groups::{
-        Added, Basis, Display, Frame, Kept, Lattice, Light, LocalLights, Marks, Past, Patches, QuadLight, Scene, Seen,
-        Shading, ShadowViews, Surfaces,
+        Added, Basis, Display, Frame, Kept, Lattice, Light, LocalLights, Marks, MirroredLight, MirroredScene, Past,
+        Patches, QuadLight, Scene, SecondLight, Seen, Shading, ShadowViews, Surfaces,
     },
     targets::format,
 };
@@ -54,6 +54,8 @@ const SHADING: &[&str] = &[
     "brdf",
     MODELS,
     "sums",
+    "seen_along",
+    "cone",
     "shading_point",
 ];
 
@@ -70,14 +72,14 @@ pub const VISIBILITY: Entry = Entry {
 pub const SURFACE: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Seen::LAYOUT],
     targets: &[format::GEOMETRY, format::FLOATS],
-    ..Entry::new("surface_pass", [SURFACES, &["surface_pass"]])
+    ..Entry::new("surface_pass", [SURFACES, &["seen_surface", "surface_pass"]])
 };
 
 /// Base color and roughness, or the spread of slopes. Twin of `Surfaces::point` in render/src/shade/surface.rs.
 pub const PARAMETERS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Surfaces::LAYOUT],
     targets: &[format::FLOATS],
-    ..Entry::new("parameters_pass", [SURFACES, &["environment", "brdf", MODELS, "parameters_pass"]])
+    ..Entry::new("parameters_pass", [SURFACES, &["environment", "brdf", MODELS, "seen_along", "parameters_pass"]])
 };
 
 /// What the pixels show. Twin of `Marks::of_surface` in render/src/stale.rs.
@@ -92,20 +94,24 @@ pub const MARKS: Entry = Entry {
 pub const MERGE: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Light::LAYOUT, Shading::LAYOUT],
     targets: &format::SUMS,
-    constants: &["FIELD", "IS_FIRST", "REFINE", "LIT", "MIRRORS"],
+    constants: &["FIELD", "IS_FIRST", "REFINE", "LIT", "MIRRORS", "BY_DIRECTION"],
     ..Entry::new(
         "merge_pass",
         [
             SHADING,
             &[
+                "color",
                 "receiver",
                 "tree",
                 "merged_tree",
+                "octahedron",
+                "sent",
                 "cut",
                 "lit_cut",
                 "refine",
                 "environment",
                 "mirror",
+                "rough",
                 "wireframe",
                 "first_part",
                 "posed",
@@ -134,14 +140,66 @@ pub const DIRECT: Entry = Entry {
 pub const MESHLESS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Basis::LAYOUT, Shading::LAYOUT],
     targets: &format::SUMS,
-    ..Entry::new("meshless_pass", [SHADING, &["color", "posed", "coefficient", "meshless_pass"]])
+    ..Entry::new(
+        "meshless_pass",
+        [
+            SHADING,
+            &[
+                "environment",
+                "mirror",
+                "rough",
+                "color",
+                "posed",
+                "concentric",
+                "cells",
+                "coefficient",
+                "meshless_pass",
+            ],
+        ],
+    )
 };
 
 /// Bounced light of wavelet transport. Twin of `PatchLight::reflected` in render/src/light/bounce/wavelet.rs.
 pub const WAVELET: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, QuadLight::LAYOUT, Shading::LAYOUT],
     targets: &format::SUMS,
-    ..Entry::new("wavelet_pass", [SHADING, &["posed", "concentric", "wavelet_pass"]])
+    ..Entry::new(
+        "wavelet_pass",
+        [SHADING, &["environment", "mirror", "rough", "posed", "concentric", "cells", "wavelet_pass"]],
+    )
+};
+
+/// Rays of mirrors. Twin of `Mirror::ray` in render/src/shade/mirror.rs.
+pub const MIRROR_RAYS: Entry = Entry {
+    groups: &[Frame::LAYOUT, Scene::LAYOUT, GroupLayout::EMPTY, Shading::LAYOUT],
+    targets: &[format::FLOATS, format::FLOATS],
+    constants: &["IS_SECOND"],
+    ..Entry::new("mirror_rays_pass", [SHADING, &["environment", "mirror", "mirror_rays_pass"]])
+};
+
+/// What the rays of mirrors meet. Twin of `SeenScene::mirrored` in render/src/shade/seen_scene.rs.
+pub const MIRRORED_SURFACE: Entry = Entry {
+    groups: &[Frame::LAYOUT, Scene::LAYOUT, MirroredScene::LAYOUT],
+    targets: &[format::GEOMETRY, format::FLOATS],
+    constants: &["HAS_VEILS"],
+    ..Entry::new(
+        "mirrored_surface_pass",
+        [SURFACES, &["seen_surface", "opacity", "ordered", "traverse", "mirrored_surface_pass"]],
+    )
+};
+
+/// Light along the rays of wider lobes. Twin of `Mirrors::by_second_ray` in render/src/shade/mirrors.rs.
+pub const SECOND_RAYS: Entry = Entry {
+    groups: &[Frame::LAYOUT, GroupLayout::EMPTY, SecondLight::LAYOUT],
+    targets: &[format::FLOATS],
+    ..Entry::new("second_rays_pass", [&[], &["frame", "fullscreen", "color", "second_rays_pass"]])
+};
+
+/// Light that mirrors show. Twin of `Mirrors::shown` in render/src/shade/mirrors.rs.
+pub const MIRRORS: Entry = Entry {
+    groups: &[Frame::LAYOUT, Scene::LAYOUT, MirroredLight::LAYOUT, Shading::LAYOUT],
+    targets: &format::SUMS,
+    ..Entry::new("mirrors_pass", [SHADING, &["environment", "mirror", "mirrors_pass"]])
 };
 
 /// What an edit leaves of the pixels. Twin of `Picture::forget` in render/src/cpu/picture.rs.
@@ -182,7 +240,23 @@ pub const DISPLAY: Entry = Entry {
 
 /// All of them.
 #[cfg(test)]
-pub const ALL: [Entry; 14] = [
-    VISIBILITY, SURFACE, PARAMETERS, MARKS, MERGE, SHADOW, DIRECT, MESHLESS, WAVELET, KEEP, SKETCH, HISTORY, PREDICT,
+pub const ALL: [Entry; 18] = [
+    VISIBILITY,
+    SURFACE,
+    PARAMETERS,
+    MARKS,
+    MERGE,
+    SHADOW,
+    DIRECT,
+    MESHLESS,
+    WAVELET,
+    MIRROR_RAYS,
+    MIRRORED_SURFACE,
+    SECOND_RAYS,
+    MIRRORS,
+    KEEP,
+    SKETCH,
+    HISTORY,
+    PREDICT,
     DISPLAY,
 ];

@@ -7,9 +7,9 @@ use super::{
 use crate::{
     device::layout::{
         self,
-        constants::{BACKGROUND_FLAT, BACKGROUND_MAP},
+        constants::{BACKGROUND_FLAT, BACKGROUND_MAP, SEEN_IN_MIRRORS, SEEN_WITH_MIRRORS},
     },
-    shade::background::share_weights,
+    shade::{background::share_weights, mirrors::DEEPEST},
     view::{Background, View},
 };
 use glam::{Vec2, Vec3};
@@ -25,6 +25,10 @@ pub struct ShownLight<'a> {
     pub emission: bool,
     /// Reflectance of a ground that catches shadows for a radiance of 1 behind it, if there is one.
     pub catches: Option<Vec3>,
+    /// Whether mirrors show the scene.
+    pub mirrors: bool,
+    /// Most light of a surface that rays of wider lobes show.
+    pub brightest: f32,
 }
 
 /// Uniforms of one jittered sample, which is at `offset` in its pixel, for every `stride`th pixel of every `stride`th row.
@@ -68,7 +72,29 @@ pub fn frame(
         mirrored_height: lit.shown.and_then(|light| light.mirrored.as_ref()).map_or(0, GpuPyramid::height),
         shows_emission: lit.emission.into(),
         sample_distance: (view.aa.max(1) as f32).sqrt().recip(),
-        padding: [0; 2],
+        seen: if lit.mirrors { SEEN_WITH_MIRRORS } else { 0 },
+        // WGSL has no infinity.
+        brightest: lit.brightest.min(f32::MAX),
+        picture_sample: sample,
+        of_lobe: (view.aa.max(1) as f32).recip(),
+        picture_stride: [stride; 2],
+    }
+}
+
+/// Uniforms for the points that so many mirrors show in a frame, in the pass that adds light to that of some others. Maps are looked
+/// up at points. The last mirror shows light as baked.
+pub fn in_mirrors(frame: layout::FrameUniforms, mirrors: u32, others: u32) -> layout::FrameUniforms {
+    layout::FrameUniforms {
+        background: BLACK.0,
+        background_color: BLACK.1.to_array(),
+        wireframe: 0,
+        sample: others,
+        stride: [1; 2],
+        caught: BACKGROUND_MAP,
+        lets_light_through: 0,
+        sample_distance: 0.0,
+        seen: if mirrors < DEEPEST { SEEN_IN_MIRRORS | SEEN_WITH_MIRRORS } else { SEEN_IN_MIRRORS },
+        ..frame
     }
 }
 

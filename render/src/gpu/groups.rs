@@ -20,10 +20,35 @@ bind_groups! {
     /// What the visibility pass wrote.
     Seen { triangle_ids: Uint }
 
-    /// What the surface pass wrote, and the map that a ground catches shadows of.
-    Surfaces { geometry: Uint, environment_map: Float }
+    /// What the surface pass wrote, the map that a ground catches shadows of, and the rays of mirrors.
+    Surfaces { geometry: Uint, environment_map: Float, mirror_rays: Float }
 
-    /// A surface point to shade, the sums of the part of the light that is rendered, and the maps that passes may read.
+    /// What the rays of mirrors meet.
+    MirroredScene {
+        mirrored: Uniform,
+        nodes: Storage,
+        corners: Storage,
+        leaf_triangles: Storage,
+        geometry: Uint,
+        mirror_rays: Float,
+        mirror_weights: Float,
+    }
+
+    /// Light of what the rays of mirrors meet, and the first part of that of the mirrors.
+    MirroredLight {
+        mirror_weights: Float,
+        mirrored_value: Float,
+        mirrored_geometry: Uint,
+        environment_value: Float,
+        environment_work: Uint,
+        second_value: Float,
+    }
+
+    /// Light of what the rays of wider lobes meet.
+    SecondLight { mirror_weights: Float, mirrored_value: Float, mirrored_geometry: Uint }
+
+    /// A surface point to shade, the sums of the part of the light that is rendered, the maps that passes may read, and the rays
+    /// of mirrors that see the point.
     Shading {
         geometry: Uint,
         rotation: Float,
@@ -32,9 +57,10 @@ bind_groups! {
         previous_work: Uint,
         environment_map: Float,
         mirrored_map: Float,
+        mirror_rays: Float,
     }
 
-    /// A tree of lights, and the cuts over it.
+    /// A tree of lights, the cuts over it, and what its nodes send by direction.
     Light {
         nodes: Storage,
         brightness: Storage,
@@ -42,6 +68,7 @@ bind_groups! {
         illumination_cut: Uint,
         lit_nodes: Storage,
         lit_offsets: Storage,
+        sent: Float,
     }
 
     /// Views of shadow maps that are rendered.
@@ -50,8 +77,17 @@ bind_groups! {
     /// Local lights, and their shadow maps.
     LocalLights { shadow_views: Storage, local_lights: Storage, shadow_maps: DepthLayers }
 
-    /// Meshless functions, with the grid that finds them, the coefficients of a solution, and where vertices were as baked.
-    Basis { basis: Uniform, slots: Storage, entries: Storage, functions: Storage, coefficients: Storage, places: Float }
+    /// Meshless functions, with the grid that finds them, the coefficients of a solution, where vertices were as baked, and
+    /// coefficients by direction.
+    Basis {
+        basis: Uniform,
+        slots: Storage,
+        entries: Storage,
+        functions: Storage,
+        coefficients: Storage,
+        places: Float,
+        harmonics: Float,
+    }
 
     /// Quads, the quad of each triangle, and the radiance that arrives at them.
     QuadLight { quads: Storage, quad_of_triangles: Storage, radiance: Storage }
@@ -82,6 +118,8 @@ bind_groups! {
         environment_work: Uint,
         bounce_value: Float,
         bounce_work: Uint,
+        mirrors_value: Float,
+        mirrors_work: Uint,
         direct_value: Float,
         direct_work: Uint,
         added_value: Float,

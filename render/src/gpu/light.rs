@@ -3,7 +3,7 @@
 
 use super::{
     lit::{GpuLitCuts, LitField, LitKernels, LitTree},
-    scene::{GpuCuts, GpuScene, SourceCuts, cut_view, float_texture},
+    scene::{GpuCuts, GpuScene, SourceCuts, cut_view, float_texture, shared_exponent_texture},
 };
 use crate::{
     device::{GpuDevice, layout::Node, storage},
@@ -12,6 +12,7 @@ use crate::{
         bounce::SourceLighting,
         environment::{Illumination, SceneLighting},
         node_row::{NodeExtent, NodeRow},
+        sent::{KNOTS, SentByDirection},
         tree_light::TreeLight,
     },
 };
@@ -30,6 +31,9 @@ pub struct GpuTreeLight {
     pub brightness: wgpu::Buffer,
     pub cut: wgpu::TextureView,
     pub lit: GpuLitCuts,
+    /// What the nodes send by direction; a texel without.
+    pub sent: wgpu::TextureView,
+    pub sends_by_direction: bool,
     /// Most nodes that the illumination cut was allowed.
     pub max_nodes: u32,
 }
@@ -61,6 +65,8 @@ impl GpuTreeLight {
             nodes,
             brightness,
             cut: cut_view(gpu, "illumination cut", &light.cut),
+            sent: sent_view(gpu, light.sent.as_deref()),
+            sends_by_direction: light.sent.is_some(),
             max_nodes: light.max_nodes,
         })
     }
@@ -73,9 +79,32 @@ impl GpuTreeLight {
             brightness: storage(gpu, "no brightness", &vec![0; nodes * size_of::<f32>()]),
             lit: GpuLitCuts::none(gpu),
             cut: cut_view(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
+            sent: sent_view(gpu, None),
+            sends_by_direction: false,
             max_nodes: 0,
         }
     }
+}
+
+/// Nodes in a row of squares, as in `sent.wgsl`.
+pub const SENT_COLUMNS: usize = 256;
+
+/// Squares of knots, node by node.
+fn sent_view(gpu: &GpuDevice, sent: Option<&SentByDirection>) -> wgpu::TextureView {
+    let (codes, side) = (sent.map_or(&[][..], SentByDirection::codes), KNOTS.side);
+    let rows = codes.len().div_ceil(SENT_COLUMNS);
+    let mut texels = Vec::with_capacity(rows * SENT_COLUMNS * KNOTS.len());
+    for (row, y) in (0..rows).flat_map(|row| (0..side).map(move |y| (row, y))) {
+        for node in row * SENT_COLUMNS..(row + 1) * SENT_COLUMNS {
+            let of_node = codes.get(node).unwrap_or(&[0; KNOTS.len()]);
+            texels.extend_from_slice(&of_node[y * side..][..side]);
+        }
+    }
+    if rows == 0 {
+        return shared_exponent_texture(gpu, "no light sent by direction", [1, 1], &[0]);
+    }
+    let size = [SENT_COLUMNS * side, rows * side];
+    shared_exponent_texture(gpu, "light sent by direction", size.map(|side| side as u32), &texels)
 }
 
 /// Light of the environment.

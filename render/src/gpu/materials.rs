@@ -5,7 +5,7 @@ use super::{
     pool::{Place, TexturePool},
 };
 use crate::{
-    appearance::Appearance,
+    appearance::{Appearance, narrowest_lobe},
     device::{
         GpuDevice, ModelSet,
         layout::{
@@ -16,7 +16,7 @@ use crate::{
     },
 };
 use lapidary_core::{
-    brdf::{MISSING, albedo_table, narrow_widths},
+    brdf::{MISSING, albedo_table},
     color::LINEAR_FROM_CODE,
     material::{self, BUMP, NORMAL},
     texture::{self, Procedural},
@@ -134,21 +134,6 @@ fn pattern_slot(slot: &texture::TextureSlot, pattern: &Procedural) -> TextureSlo
     let place = Place { first: 0, size: [1, 1], kind: KIND_PROCEDURAL };
     let (low, high) = (low.to_array(), high.to_array());
     TextureSlot { low, pattern: pattern as u32, high, octaves, ..texture_slot(slot, place) }
-}
-
-/// The width of a material's narrowest lobe, with any of its mapped parameters as low as it goes; infinite without a lobe.
-fn narrowest_lobe(material: &material::Material) -> f32 {
-    let mapped = material.own_parameters().iter().filter(|p| material.maps.get(p.name).is_some());
-    let lowered = mapped.filter(|p| !p.is_color()).map(|p| {
-        let mut lowered = material.clone();
-        lowered.parameters.set(p.name, p.range[0]);
-        lowered
-    });
-    let narrowest = |material: material::Material| {
-        let widths = narrow_widths(material.plain_brdf().as_brdf().lobes());
-        widths.into_iter().filter(|&width| width > 0.0).fold(f32::INFINITY, f32::min)
-    };
-    lowered.chain([material.clone()]).map(narrowest).fold(f32::INFINITY, f32::min)
 }
 
 /// Linear values of the 256 sRGB codes, as a shader's own power function is too coarse; and the albedos of lobes.

@@ -20,7 +20,13 @@ use std::sync::Arc;
 pub struct GpuMeshless {
     /// Those of a dataset, and whether they are those of its objects.
     functions: Option<(Arc<Dataset>, bool, Functions)>,
-    coefficients: Option<(Arc<MeshlessLight>, wgpu::Buffer)>,
+    coefficients: Option<(Arc<MeshlessLight>, Coefficients)>,
+}
+
+/// The coefficients of a solution.
+struct Coefficients {
+    vectors: wgpu::Buffer,
+    harmonics: wgpu::TextureView,
 }
 
 /// The functions of a dataset.
@@ -52,11 +58,15 @@ impl GpuMeshless {
         let make = || Ok((key.0.clone(), key.1, Functions::new(gpu, light)?));
         let (.., functions) = self.functions.insert(known.map_or_else(make, Ok)?);
         let known = self.coefficients.take().filter(|(known, _)| Arc::ptr_eq(known, light));
-        let make = || Ok((light.clone(), coefficients(gpu, light.coefficients())?));
-        let (_, coefficients) = self.coefficients.insert(known.map_or_else(make, Ok)?);
+        let make = || {
+            let vectors = coefficients(gpu, light.coefficients())?;
+            Ok((light.clone(), Coefficients { vectors, harmonics: harmonics(gpu, light) }))
+        };
+        let (_, Coefficients { vectors: coefficients, harmonics }) =
+            self.coefficients.insert(known.map_or_else(make, Ok)?);
         let Functions { slots, entries, functions, places } = functions;
         let basis = &uniform(gpu, "meshless light", bytemuck::bytes_of(&uniforms(light, shown)));
-        Ok(groups::Basis { basis, slots, entries, functions, coefficients, places }.bind(gpu))
+        Ok(groups::Basis { basis, slots, entries, functions, coefficients, places, harmonics }.bind(gpu))
     }
 
     /// What the pass reads in a picture whose bounced light is of vertices alone.
@@ -65,14 +75,22 @@ impl GpuMeshless {
         let nothing = &storage(gpu, "no function", bytemuck::bytes_of(&layout::Coefficient::zeroed()));
         let basis = &uniform(gpu, "no basis", bytemuck::bytes_of(&layout::BasisUniforms::zeroed()));
         let places = &places(gpu, None);
-        groups::Basis { basis, slots: nothing, entries: nothing, functions: nothing, coefficients: nothing, places }
-            .bind(gpu)
+        groups::Basis {
+            basis,
+            slots: nothing,
+            entries: nothing,
+            functions: nothing,
+            coefficients: nothing,
+            places,
+            harmonics: places,
+        }
+        .bind(gpu)
     }
 
     /// The coefficients, to detect a new upload.
     #[cfg(test)]
     pub fn coefficients(&self) -> Option<&wgpu::Buffer> {
-        self.coefficients.as_ref().map(|(_, buffer)| buffer)
+        self.coefficients.as_ref().map(|(_, coefficients)| &coefficients.vectors)
     }
 }
 
@@ -98,7 +116,7 @@ impl Functions {
     }
 }
 
-/// Texels in a row of places.
+/// Texels in a row of places, and of coefficients by direction.
 const WIDTH: usize = 8192;
 
 /// The place of each vertex as baked, and its object, row by row; a single texel for functions that are not of objects.
@@ -107,9 +125,22 @@ fn places(gpu: &GpuDevice, as_baked: Option<&VerticesAsBaked>) -> wgpu::TextureV
         return float_texture(gpu, "no places", [1, 1], &[[0.0; 4]]);
     };
     let place = |(position, &object): (&Vec3, &u32)| position.extend(object as f32).to_array();
-    let mut texels: Vec<[f32; 4]> = positions.iter().zip(owners).map(place).collect();
+    rows(gpu, "places as baked", positions.iter().zip(owners).map(place).collect())
+}
+
+/// Coefficients by direction, nine texels a function; a single texel where they are not known.
+fn harmonics(gpu: &GpuDevice, light: &MeshlessLight) -> wgpu::TextureView {
+    let Some(arriving) = light.by_direction() else {
+        return float_texture(gpu, "no directions", [1, 1], &[[0.0; 4]]);
+    };
+    let texels = arriving.coefficients.iter().flat_map(|of| of.0).map(|color| color.extend(0.0).to_array());
+    rows(gpu, "light by direction", texels.collect())
+}
+
+/// Texels row by row.
+fn rows(gpu: &GpuDevice, label: &str, mut texels: Vec<[f32; 4]>) -> wgpu::TextureView {
     texels.resize(texels.len().next_multiple_of(WIDTH).max(WIDTH), [0.0; 4]);
-    float_texture(gpu, "places as baked", [WIDTH as u32, (texels.len() / WIDTH) as u32], &texels)
+    float_texture(gpu, label, [WIDTH as u32, (texels.len() / WIDTH) as u32], &texels)
 }
 
 fn coefficients(gpu: &GpuDevice, coefficients: &[Mat3A]) -> Result<wgpu::Buffer, BackendError> {
@@ -151,5 +182,6 @@ fn uniforms(light: &MeshlessLight, shown: BasisView) -> layout::BasisUniforms {
         shown_level: shown.level,
         shown_function: shown.function,
         of_objects: u32::from(of_objects),
+        directional_levels: light.by_direction().map_or(0, |arriving| arriving.levels as u32),
     }
 }

@@ -2,8 +2,8 @@
 
 use super::{
     entries::{
-        DIRECT, DISPLAY, Entry, HISTORY, KEEP, MARKS, MERGE, MESHLESS, PARAMETERS, PREDICT, SHADOW, SKETCH, SURFACE,
-        VISIBILITY, WAVELET,
+        DIRECT, DISPLAY, Entry, HISTORY, KEEP, MARKS, MERGE, MESHLESS, MIRROR_RAYS, MIRRORED_SURFACE, MIRRORS,
+        PARAMETERS, PREDICT, SECOND_RAYS, SHADOW, SKETCH, SURFACE, VISIBILITY, WAVELET,
     },
     lit::LitKernels,
     pipeline::{Compiled, Pass},
@@ -24,15 +24,17 @@ pub struct MergeVariant {
     pub is_first: bool,
     pub refine: bool,
     pub lit: bool,
-    /// Whether sharp lobes may read the map.
-    pub mirrors: bool,
+    /// What sharp lobes do, one of the constants `MIRRORS_...` or `NO_MIRRORS`.
+    pub mirrors: u32,
+    /// Whether nodes send by direction.
+    pub by_direction: bool,
 }
 
 impl MergeVariant {
     /// Values of the constants of [`MERGE`].
-    fn values(self) -> [f64; 5] {
-        let Self { field, is_first, refine, lit, mirrors } = self;
-        [field, is_first.into(), refine.into(), lit.into(), mirrors.into()].map(f64::from)
+    fn values(self) -> [f64; 6] {
+        let Self { field, is_first, refine, lit, mirrors, by_direction } = self;
+        [field, is_first.into(), refine.into(), lit.into(), mirrors, by_direction.into()].map(f64::from)
     }
 }
 
@@ -46,6 +48,11 @@ pub struct Passes {
     pub direct: Pass,
     pub meshless: Pass,
     pub wavelet: Pass,
+    /// Rays of sharp lobes, and of wider ones.
+    pub mirror_rays: [Pass; 2],
+    pub second_rays: Pass,
+    pub mirrored_surface: Pass,
+    pub mirrors: Pass,
     pub keep: Pass,
     /// For the first part of the light and the others.
     pub sketch: [Pass; 2],
@@ -78,7 +85,7 @@ impl Passes {
         let compiled = |entry: &'static Entry| Compiled::new(gpu, shaders, entry);
         let pass = |entry, values: &[f64]| Ok::<_, BackendError>(compiled(entry)?.variant(gpu, values));
         let has_veils = [f64::from(shaders.has_veils)];
-        let sketch = compiled(&SKETCH)?;
+        let [sketch, mirror_rays] = [compiled(&SKETCH)?, compiled(&MIRROR_RAYS)?];
         Ok(Self {
             visibility: pass(&VISIBILITY, &has_veils)?,
             surface: pass(&SURFACE, &[])?,
@@ -88,6 +95,10 @@ impl Passes {
             direct: pass(&DIRECT, &[])?,
             meshless: pass(&MESHLESS, &[])?,
             wavelet: pass(&WAVELET, &[])?,
+            mirror_rays: [0.0, 1.0].map(|is_second| mirror_rays.variant(gpu, &[is_second])),
+            second_rays: pass(&SECOND_RAYS, &[])?,
+            mirrored_surface: pass(&MIRRORED_SURFACE, &has_veils)?,
+            mirrors: pass(&MIRRORS, &[])?,
             keep: pass(&KEEP, &[])?,
             sketch: [1.0, 0.0].map(|is_first| sketch.variant(gpu, &[is_first])),
             history: pass(&HISTORY, &[])?,
@@ -112,6 +123,7 @@ impl Passes {
 }
 
 /// A pass of a picture that adds samples to the sums of a part of the light.
+#[derive(Clone)]
 pub struct PartPass {
     pub part: LightPart,
     pub pass: Pass,

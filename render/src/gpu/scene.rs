@@ -214,17 +214,32 @@ impl GpuCuts {
 
 /// A texture of four floats a texel, row by row.
 pub fn float_texture(gpu: &GpuDevice, label: &str, size: [u32; 2], texels: &[[f32; 4]]) -> wgpu::TextureView {
+    texture_of(gpu, label, wgpu::TextureFormat::Rgba32Float, size, texels)
+}
+
+/// A texture of colors with a shared exponent, row by row.
+pub fn shared_exponent_texture(gpu: &GpuDevice, label: &str, size: [u32; 2], codes: &[u32]) -> wgpu::TextureView {
+    texture_of(gpu, label, wgpu::TextureFormat::Rgb9e5Ufloat, size, codes)
+}
+
+fn texture_of<T: bytemuck::Pod>(
+    gpu: &GpuDevice,
+    label: &str,
+    format: wgpu::TextureFormat,
+    size: [u32; 2],
+    texels: &[T],
+) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: extent(size),
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba32Float,
+        format,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    write_rows(gpu, &texture, 0, size[0] as usize * size_of::<[f32; 4]>(), bytemuck::cast_slice(texels));
+    write_rows(gpu, &texture, 0, size[0] as usize * size_of::<T>(), bytemuck::cast_slice(texels));
     texture.create_view(&Default::default())
 }
 

@@ -1,7 +1,7 @@
 //! The textures of one picture size: what the passes hand to each other.
 
 use super::scene::extent;
-use crate::{device::GpuDevice, stale::LightPart};
+use crate::{device::GpuDevice, shade::mirrors::DEEPEST, stale::LightPart};
 use wgpu::TextureFormat as Format;
 
 /// Formats of the passes' outputs; each pass writes at most 32 bytes per pixel, WebGPU's default limit.
@@ -40,7 +40,52 @@ pub struct Targets {
     pub lattices: [Option<[Sums; 2]>; LightPart::COUNT],
     /// A texel of zeros, in place of parts that the light does not have.
     pub nothing: Sums,
+    /// Of a picture whose mirrors show the scene.
+    pub mirrored: Option<Mirrored>,
     pub shown: Target,
+}
+
+/// What mirrors show.
+pub struct Mirrored {
+    /// Of one mirror, and of a mirror in it.
+    pub points: [MirroredPoints; DEEPEST as usize],
+    /// Light along the rays of wider lobes.
+    pub second: Target,
+}
+
+/// Rays of mirrors, and for the surfaces that these meet what the others are for those that the camera sees.
+pub struct MirroredPoints {
+    pub rays: Target,
+    pub weights: Target,
+    pub geometry: Target,
+    pub rotation: Target,
+    pub color_roughness: Target,
+    /// Light of all kinds; read from one, written to the other, part by part.
+    pub sums: [Sums; 2],
+}
+
+impl Mirrored {
+    fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
+        let points = || MirroredPoints::new(gpu, size);
+        Self {
+            points: std::array::from_fn(|_| points()),
+            second: target(gpu, "light of second rays", format::FLOATS, size),
+        }
+    }
+}
+
+impl MirroredPoints {
+    fn new(gpu: &GpuDevice, size: [u32; 2]) -> Self {
+        let target = |label, format| target(gpu, label, format, size);
+        Self {
+            rays: target("mirror rays", format::FLOATS),
+            weights: target("mirror weights", format::FLOATS),
+            geometry: target("mirrored geometry", format::GEOMETRY),
+            rotation: target("mirrored rotation", format::FLOATS),
+            color_roughness: target("mirrored color and roughness", format::FLOATS),
+            sums: [0, 1].map(|_| Sums::new(gpu, size)),
+        }
+    }
 }
 
 /// Sums over the samples of one part of the light, see `sums.wgsl`.
@@ -74,6 +119,7 @@ impl Targets {
             parts: Default::default(),
             lattices: Default::default(),
             nothing: Sums::new(gpu, [1, 1]),
+            mirrored: None,
             shown: target("shown", format::SHOWN),
         }
     }
@@ -84,6 +130,8 @@ impl Targets {
         for (sums, shown) in self.parts.iter_mut().zip(parts) {
             *sums = if shown { sums.take().or_else(|| Some([0, 1].map(|_| Sums::new(gpu, size)))) } else { None };
         }
+        let mirrors = parts[LightPart::Mirrors as usize];
+        self.mirrored = mirrors.then(|| self.mirrored.take().unwrap_or_else(|| Mirrored::new(gpu, size)));
         let lattice = |stride: u32| Sums::new(gpu, size.map(|side| side.div_ceil(stride)));
         for (sums, shown) in self.lattices.iter_mut().zip(parts) {
             *sums = if shown { sums.take().or_else(|| Some([2, 4].map(lattice))) } else { None };

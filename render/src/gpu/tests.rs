@@ -7,6 +7,7 @@ mod emission;
 mod ground;
 mod kept;
 mod meshless;
+mod mirrors;
 mod opacity;
 mod posed;
 mod reflection;

@@ -3,6 +3,8 @@
 //!
 //! Each step keeps its result: a moved light casts rays for that light only, an edited material casts none.
 
+mod ends;
+mod gloss;
 mod irradiance;
 mod light_groups;
 mod lit_points;
@@ -19,11 +21,14 @@ use crate::{
     },
 };
 use glam::Vec3;
+use gloss::{DiffuseParts, LampLight};
 use irradiance::environment_irradiance;
 use lapidary_core::{cut::lit::CutValues, dataset::Dataset, offset, sources::SourceTree};
+use light_groups::LightGroup;
 use source_parts::{PARTS, means, source_parts};
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
+pub use gloss::{GlossRig, remark_on_widened_lobes};
 pub(crate) use lit_points::LitPoints;
 pub use meshless::{
     MeshlessRig,
@@ -94,6 +99,29 @@ impl SourceRig {
         let reflected = irradiance.iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI);
         let sent = reflected.zip(self.lit.emission()).map(|(reflected, emitted)| reflected + emitted);
         SourceLighting::new(self.tree.clone(), &means(sent), illum_cut)
+    }
+
+    /// The radiance of [`Self::lighting_with`], by where it comes from.
+    fn diffuse_parts(&self, further: &[Vec3]) -> DiffuseParts {
+        let reflected = |irradiance: Vec<Vec3>| {
+            means(irradiance.into_iter().zip(self.lit.albedo()).map(|(e, rho)| rho * e * FRAC_1_PI))
+        };
+        let mut rest = self.lit.environment.clone().unwrap_or_else(|| vec![Vec3::ZERO; PARTS * self.tree.len()]);
+        for (parts, further) in rest.chunks_mut(PARTS).zip(further) {
+            parts.iter_mut().for_each(|sum| *sum += further);
+        }
+        DiffuseParts {
+            lamps: reflected(self.lit.of_lamps()),
+            rest: reflected(rest),
+            emitted: means(self.lit.emission().iter().copied()),
+        }
+    }
+
+    /// Irradiance of the sources from each group of lamps.
+    fn lamp_light(&self) -> Vec<LampLight<'_>> {
+        let groups = self.lit.lights.groups.iter();
+        let irradiance = |group: &LightGroup| means(group.irradiance.iter().copied());
+        groups.map(|group| LampLight { lights: group.lights(), irradiance: irradiance(group) }).collect()
     }
 }
 

@@ -8,6 +8,7 @@ use crate::{
         local::LocalLighting,
         solver::BounceLight,
     },
+    shade::node_field::{NodeField, SourceField},
 };
 use glam::Vec3;
 use lapidary_core::cut::{
@@ -83,12 +84,14 @@ fn gathered_changes(baked: &Baked, old: &SourceLighting, new: &SourceLighting) -
     let cuts = &baked.dataset.indirect.as_ref()?.cuts;
     let height = new.height();
     let solid_angles: Vec<f32> = (0..=VALUE_MAX).map(solid_angle).collect();
+    let fields = [old, new].map(SourceField::new);
     let of_vertex = |vertex: u32| {
         let (mut change, mut light) = (Vec3::ZERO, Vec3::ZERO);
         merge(1 << height, &mut [PackedCursor::new(height, cuts.nodes_from(vertex))], |interval, cursors| {
             let node = interval.heap_index(1 << height) as usize;
             let weight = solid_angles[usize::from(cursors[0].stored_value())] * interval.size() as f32;
-            let (before, after) = (old.nodes.radiance[node], new.nodes.radiance[node]);
+            let direction = new.nodes.place[node] - baked.dataset.scene.mesh.positions[vertex as usize];
+            let [before, after] = fields.map(|field| field.radiance(node, direction));
             change += (after - before).abs() * weight;
             light += after * weight;
         });

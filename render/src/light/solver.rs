@@ -7,6 +7,7 @@
 //! bounced light to any solver's light as baked.
 
 mod cuts;
+mod cuts_over_gloss;
 mod cuts_over_meshless;
 mod cuts_over_radiosity;
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! Light of a tree's nodes as pixels merge it. Leaves are samples of the environment or surface sources.
 
-use super::node_row::{NodeExtent, NodeRow};
+use super::{
+    node_row::{NodeExtent, NodeRow},
+    sent::SentByDirection,
+};
 use lapidary_core::{
     color::luminance,
     cut::{
@@ -9,6 +12,8 @@ use lapidary_core::{
     },
     light_tree::NodeLight,
 };
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A tree of lights `L` under one illumination.
 #[derive(Clone, Debug)]
@@ -27,6 +32,8 @@ pub struct TreeLight<L> {
     pub(crate) rows: Vec<NodeRow>,
     /// Radius of each node, a half-angle in radians or in meters, and its brightness.
     pub(crate) extents: Vec<NodeExtent>,
+    /// What its nodes send by direction, if they are surfaces that do.
+    pub(crate) sent: Option<Arc<SentByDirection>>,
 }
 
 impl<L> TreeLight<L> {
@@ -42,6 +49,7 @@ impl<L> TreeLight<L> {
             lights,
             nodes,
             max_nodes,
+            sent: None,
         }
     }
 
@@ -53,6 +61,15 @@ impl<L> TreeLight<L> {
     /// Height of the tree.
     pub fn height(&self) -> u32 {
         self.leaves().ilog2()
+    }
+
+    /// The same light by direction. Nodes count as bright as they are toward any.
+    pub(crate) fn with_sent(mut self, sent: Option<Arc<SentByDirection>>) -> Self {
+        if let Some(sent) = &sent {
+            let brighten = |(node, extent): (usize, &mut NodeExtent)| extent.brightness *= sent.largest(node).max(1.0);
+            self.extents.par_iter_mut().enumerate().skip(1).for_each(brighten);
+        }
+        Self { sent, ..self }
     }
 
     /// The same light with lit cuts of another `tau`; see [`LitCuts`].

@@ -6,7 +6,7 @@ use crate::{
     shade::surface::FirstHit,
     shade::surface::Surfaces,
     test_looks::look,
-    test_scenes::{floor_and_wall, illumination, light, point_light},
+    test_scenes::{floor_and_wall, from_below, illumination, light, mirror_under_plate, point_light, toward_mirror},
 };
 use glam::Vec3;
 use lapidary_core::{camera::Camera, dataset::Dataset, image::Image, lights::Emission, scene::Mesh};
@@ -104,7 +104,13 @@ pub fn edits_shade_what_they_change<B: Backend>(make: impl Fn() -> B, slack: f64
         let [all, floor] = surfaces(&baked, &shown.look.view, 0);
         assert!(floor > all / 5 && floor < all / 2);
         let bounce = if components.indirect { all } else { 0 };
-        let of = |environment, bounce, direct, added| ShadedSamples { environment, bounce, direct, added };
+        let of = |environment, bounce, direct, added| ShadedSamples {
+            environment,
+            bounce,
+            direct,
+            added,
+            ..Default::default()
+        };
         // Each spot has a shadow map, so a third spot leaves all maps' sizes unchanged.
         let cone = Emission::Spot { cone_degrees: 50.0, penumbra_degrees: 10.0 };
         let lamp = || light(cone, Vec3::new(-1.0, 1.5, -0.5), Vec3::new(-0.5, 0.0, 0.0), 3.0);
@@ -214,6 +220,29 @@ pub fn unseen_changes_do_not_creep<B: Backend>(make: impl Fn() -> B) {
     assert_eq!(shown.edit(brighter(1.1)).1.bounce, all, "negative control: a visible change");
 }
 
+/// After an edit of what a mirror shows, the picture equals one rendered from scratch.
+pub fn edits_reach_what_mirrors_show<B: Backend>(make: impl Fn() -> B) {
+    let baked = Baked::from(mirror_under_plate(0.0025));
+    let [mut shown, mut other] = [0, 1].map(|_| Shown::new(make(), &baked, Components::UNBOUNCED));
+    for shown in [&mut shown, &mut other] {
+        let appearance = Appearance::of(&baked.dataset.scene);
+        shown.look = Look { appearance, illumination: from_below(), lights: [].into(), ..shown.look.clone() };
+        shown.look.view.camera = toward_mirror([40, 32]).camera;
+    }
+    let [all, floor] = surfaces(&baked, &shown.look.view, 0);
+    assert_eq!(shown.edit(|_| ()).1.mirrors, all);
+    let plate = |color: Vec3| move |look: &mut Look| look.appearance.materials[1].parameters.set("base_color", color);
+    let before = shown.edit(plate(Vec3::ONE)).0;
+    let (image, shaded, _) = shown.edit(plate(Vec3::new(0.1, 0.5, 0.2)));
+    assert!(difference(&image, &before) > 0.05, "negative control: the plate shows");
+    assert!(shaded.mirrors.abs_diff(floor) < all / 20, "{shaded:?}: only {floor} of {all} mirror");
+    let expected = other.anew(&shown.look);
+    assert!(difference(&image, &expected) < 1e-5, "{}", difference(&image, &expected));
+    let rough = shown.edit(|look| look.appearance.materials[0].parameters.set("roughness", 0.6)).0;
+    let expected = other.anew(&shown.look);
+    assert!(difference(&rough, &expected) < 1e-5, "no mirror is left: {}", difference(&rough, &expected));
+}
+
 /// Triangles with another assigned, emissive material look as if the mesh had it, and only pixels that show them are shaded again.
 pub fn assigned_materials_look_as_those_of_the_mesh<B: Backend>(make: impl Fn() -> B, slack: f64) {
     let baked = baked();
@@ -257,6 +286,11 @@ pub fn assigned_materials_look_as_those_of_the_mesh<B: Backend>(make: impl Fn() 
 
 mod on_the_cpu {
     use crate::CpuBackend;
+
+    #[test]
+    fn edits_reach_what_mirrors_show() {
+        super::edits_reach_what_mirrors_show(CpuBackend::new);
+    }
 
     #[test]
     fn edits_shade_what_they_change() {

@@ -3,8 +3,11 @@
 
 use super::{LitLook, LitScene};
 use crate::{
-    Backend, BackendError, LocalLighting, Look, Marks, Pixels, Redo, Stale,
-    light::situation::{Changes, Gathering},
+    Backend, BackendError, LocalLighting, Look, Marks, Pixels, Redo, Solution, Stale,
+    light::{
+        bounce::remark_on_widened_lobes,
+        situation::{Changes, Gathering},
+    },
 };
 
 impl<B: Backend + ?Sized> LitScene<B> {
@@ -23,6 +26,11 @@ impl<B: Backend + ?Sized> LitScene<B> {
         if changes.appearance {
             let remarks = self.backend.set_appearance(&look.appearance)?;
             self.remarks.replace(0, remarks);
+        }
+        if changes.appearance || redo.shown {
+            let sends = look.shown_solution() == Solution::CutsGloss && look.components.indirect;
+            let widened = sends.then(|| remark_on_widened_lobes(&self.situation.appearance)).flatten();
+            self.remarks.replace(3, widened.into_iter().collect());
         }
         if changes.poses || changes.environment || changes.gathering {
             self.give_environment(look)?;

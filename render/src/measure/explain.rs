@@ -15,6 +15,7 @@ use crate::{
         background::Backdrop,
         direct::{DirectLights, pixel_shift},
         merge::{EightTerms, Shader},
+        mirror::rays::RayLobes,
         node_field::NodeField,
         pixel_sampler::PixelSampler,
         surface::{FirstHit, SurfacePoint},
@@ -140,6 +141,8 @@ pub struct PixelExplanation {
     pub suns: Vec<ExplainedSun>,
     /// Light of the map in the window of a sharp lobe, minus the nodes' light there.
     pub mirror: Vec3,
+    /// Whether rays of the picture replace all light of the sharp lobes' window: they show the scene, which cuts do not know.
+    pub has_rays: bool,
     /// Sum of the contributions.
     pub radiance: Vec3,
     /// The shaded surface point.
@@ -194,7 +197,14 @@ impl Renderer {
     ) -> Result<PixelExplanation, ExplainError> {
         let cuts = light.cuts_of(&self.dataset)?;
         let point = self.point_at(view, pixel)?;
-        Ok(light.with_field(Explain { pixel, tree: light.tree(), point, cuts, sampling }))
+        let solid_angle = self.dataset.tree.leaf_solid_angle();
+        let shows_scene = view.mirrors && sampling != BrdfSampling::Once;
+        let lobes = match light.tree() {
+            TreeOf::Environment => RayLobes::of_map,
+            TreeOf::Sources => RayLobes::at,
+        };
+        let has_rays = shows_scene && lobes(&point, solid_angle).is_some();
+        Ok(light.with_field(Explain { pixel, tree: light.tree(), point, cuts, sampling, has_rays }))
     }
 
     /// Adds the suns of an environment to the explanation of its light.
@@ -231,6 +241,7 @@ struct Explain<'a> {
     point: Box<SurfacePoint>,
     cuts: &'a PackedCuts,
     sampling: BrdfSampling,
+    has_rays: bool,
 }
 
 impl FieldJob for Explain<'_> {
@@ -268,6 +279,7 @@ impl FieldJob for Explain<'_> {
             illumination_nodes: if is_lit { 0 } else { field.tree().cut.len() },
             merged_nodes: shader.work.merged_nodes,
             mirror,
+            has_rays: self.has_rays,
             radiance: of_nodes + mirror,
             nodes,
             dark_nodes,

@@ -18,7 +18,7 @@
 //! by Eq. 6. `TracedVertices` needs a function that traces vertices as the bake did. Without one, and for surface sources, it is
 //! left out, and one step shows both visibility errors. For surface sources the paths have one bounce, and the last step includes
 //! the error of the sources' discs. Step errors are vectors: they may cancel and do not sum to the total. No lobe reads the
-//! environment's map here ([`crate::shade::mirror`]): only light samples are split.
+//! environment's map here, and none has rays ([`crate::shade::mirror`]): only light samples are split.
 
 mod leaf_sum;
 pub(crate) mod vertices;
@@ -184,7 +184,7 @@ impl Renderer {
         };
         plain.iter_mut().for_each(|lighting| lighting.lights.mirrored = None);
         let job = &SplitJob { light: plain.as_ref().map_or(job.light, CutLight::Environment), ..*job };
-        let view = job.view.of_surfaces();
+        let view = View { mirrors: false, ..job.view.of_surfaces() };
         let backdrop = Backdrop::black();
         let chain = Chain { renderer: self, sampler: PixelSampler::new(self, &view, &backdrop), cuts, job, progress };
         if !chain.shows_surface() {
@@ -306,7 +306,8 @@ impl Chain<'_> {
             CutLight::Sources(lighting) => {
                 let count = lighting.lights.len();
                 let radiance = &lighting.nodes.radiance[count..];
-                let leaves = SourceLighting::new(lighting.lights.clone(), radiance, count as u32);
+                let leaves = SourceLighting::new(lighting.lights.clone(), radiance, count as u32)
+                    .with_sent(lighting.sent.clone());
                 CutLight::Sources(&leaves).with_field(MeanBrdf { chain: self, number: 2 })
             }
         }

@@ -2,7 +2,8 @@
 //!
 //! Every path vertex gathers direct light by multiple importance sampling (Veach 1997): the environment by its texels and by the
 //! BRDF; local lights by their area and, if they have one, by the BRDF; emissive surfaces by their power and by the BRDF. It uses
-//! neither light samples nor cuts, so it shows the whole error. Random numbers are seeded by pixel and pass.
+//! neither light samples nor cuts, so it shows the whole error. Where the view's mirrors show the scene, paths go on along sharp
+//! lobes after their last bounce. Random numbers are seeded by pixel and pass.
 
 mod emitters;
 mod environment_sampling;
@@ -17,6 +18,7 @@ use crate::{
     shade::{
         background::{Backdrop, BlurCache},
         pixel_sampler::PixelSampler,
+        seen_scene::SeenScene,
         surface::SurfacePoint,
     },
     view::{Preview, Progress, View, pixel_sample_position},
@@ -59,7 +61,8 @@ impl Renderer {
         if settings.positions == SamplePositions::Shifted {
             sampler = sampler.unfiltered(self);
         }
-        let tracer = Tracer::new(self, light, lights, settings);
+        let scene = view.mirrors.then(|| SeenScene::new(self, view, &backdrop));
+        let tracer = Tracer::new(self, light, lights, settings, scene);
         let mut halves = Halves::new(view.size, view.aa);
         // At least one sample per position of the pixel pattern.
         let wanted = settings.spp.max(view.aa).max(1);

@@ -9,19 +9,25 @@ pub(crate) mod sources;
 use crate::{
     light::{bounce::SourceLighting, environment::Illumination},
     renderer::Renderer,
+    sampling::BrdfSampling,
     shade::{
         background::{Backdrop, BlurCache},
+        direct::{DirectLights, DirectShader, ray_shift},
+        merge::SharpLight,
+        mirror::rays::brightest_by_rays,
+        mirrors::{Mirrors, cone::CameraCones},
         pixel_sampler::PixelSampler,
         point_shader::PointShader,
+        seen_scene::SeenScene,
         surface::SurfacePoint,
     },
     view::{Preview, Progress, View},
 };
-use distant::LightSamples;
-use glam::Vec3;
+use distant::{DistantShader, LightSamples};
+use glam::{Vec2, Vec3};
 use lapidary_core::{image::Image, lights::Light};
 use rayon::prelude::*;
-use sources::SourceSamples;
+use sources::{SourceSamples, SourceShader};
 
 /// Pixels of a 4 x 4 block in the order of the passes: each pass halves the distance to the nearest finished pixel.
 const PASSES: [(u32, u32); 16] = [
@@ -43,14 +49,39 @@ const PASSES: [(u32, u32); 16] = [
     (0, 3),
 ];
 
-/// Sums two kinds of samples and emission. Each may be left out.
-struct Sum<A, B>(Option<A>, Option<B>, bool);
+/// Sums two kinds of samples, emission, and what mirrors show. Each may be left out.
+struct Sum<'a> {
+    distant: Option<DistantShader<'a>>,
+    sources: Option<SourceShader<'a>>,
+    emission: bool,
+    mirrors: Option<Mirrors<'a>>,
+    /// Direct light of what mirrors show.
+    direct: &'a DirectShader<'a>,
+}
 
-impl<A: PointShader, B: PointShader> PointShader for Sum<A, B> {
-    fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
-        let first = self.0.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point));
-        let emitted = if self.2 { point.emission } else { Vec3::ZERO };
-        emitted + first + self.1.as_mut().map_or(Vec3::ZERO, |shader| shader.shade(point))
+impl Sum<'_> {
+    /// Radiance toward the eye without direct light; `shift` comes from [`ray_shift`].
+    fn shade(&mut self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        let Some(mirrors) = self.mirrors else { return self.sampled(point, SharpLight::Map) };
+        let direct = self.direct;
+        let sampled = self.sampled(point, mirrors.sharp());
+        let mut shown = |point: &SurfacePoint, sharp, shift| {
+            self.sampled(point, sharp) + direct.reflected(&point.within_cone(), shift)
+        };
+        sampled + mirrors.shown(point, shift, &mut shown)
+    }
+
+    fn sampled(&mut self, point: &SurfacePoint, sharp: SharpLight) -> Vec3 {
+        let distant = self.distant.as_mut().map(|shader| {
+            shader.sharp = sharp;
+            shader.shade(point)
+        });
+        let sources = self.sources.as_mut().map(|shader| {
+            shader.sharp = sharp;
+            shader.shade(point)
+        });
+        let emitted = if self.emission { point.emission } else { Vec3::ZERO };
+        emitted + distant.unwrap_or_default() + sources.unwrap_or_default()
     }
 }
 
@@ -88,12 +119,24 @@ impl Renderer {
             light.environment.map(|environment| LightSamples::of(&self.dataset.tree, &self.lighting(environment, 1)));
         let sources = light.sources.map(|lighting| SourceSamples::new(self, lighting));
         let backdrop = Backdrop::new(view, light.environment, light.environment.is_some(), &mut BlurCache::default());
-        let shader = || {
-            let distant = distant.as_ref().map(|samples| samples.shader(self));
-            Sum(distant, sources.as_ref().map(|samples| samples.shader(self)), light.emission)
-        };
         let suns = light.environment.map_or_else(Vec::new, Illumination::suns);
         let lights = [light.lights, &suns].concat();
+        let shown = DirectLights { lights: &lights, intersector: self.intersector() }.shader();
+        let scene = SeenScene::in_mirrors(self, view, BrdfSampling::Refine, &backdrop);
+        let mirrors = scene.map(|scene| Mirrors {
+            scene,
+            map: distant.as_ref().and_then(LightSamples::map),
+            leaf_solid_angle: self.dataset.tree.leaf_solid_angle(),
+            brightest: brightest_by_rays(light.sources),
+            cones: CameraCones::of(view),
+        });
+        let shader = || Sum {
+            distant: distant.as_ref().map(|samples| samples.shader(self)),
+            sources: sources.as_ref().map(|samples| samples.shader(self)),
+            emission: light.emission,
+            mirrors,
+            direct: &shown,
+        };
         let direct = (!lights.is_empty()).then(|| self.direct_light_before(light.environment, view, &lights));
         let bases = [light.base, direct.as_ref()];
         let progress = OverBases { bases, inner: progress };
@@ -102,10 +145,10 @@ impl Renderer {
         image
     }
 
-    fn in_passes<S: PointShader>(
+    fn in_passes<'a>(
         &self,
         sampler: &PixelSampler,
-        shader: impl Fn() -> S + Sync,
+        shader: impl Fn() -> Sum<'a> + Sync,
         progress: &dyn Progress,
     ) -> Image {
         let size = sampler.view.size;
@@ -123,7 +166,11 @@ impl Renderer {
                 let shade = |y: &u32| -> Vec<(u32, Vec3)> {
                     let mut shader = shader();
                     let columns = sampler.columns(*y).filter(|x| x % 4 == dx && !progress.abandoned());
-                    columns.map(|x| (x, sampler.pixel(x, *y, |point| shader.shade(point)))).collect()
+                    let mut sample =
+                        |x, i| sampler.sample(x, *y, i as usize, |point| shader.shade(point, ray_shift(x, *y, i)));
+                    let samples = sampler.view.aa.max(1);
+                    let mut mean = |x| (0..samples).map(|i| sample(x, i)).sum::<Vec3>() / samples as f32;
+                    columns.map(|x| (x, mean(x))).collect()
                 };
                 let shaded: Vec<Vec<(u32, Vec3)>> = rows.par_iter().map(shade).collect();
                 for (&y, row) in rows.iter().zip(shaded) {

@@ -64,16 +64,23 @@ impl Behind {
 
     /// The background of a view.
     fn of(view: &View, light: &Illumination, blur: &mut BlurCache) -> Self {
-        let map = |map| {
-            let environment_from_world = Sky::new(light).environment_from_world;
-            Self::Map { map, environment_from_world, intensity: light.intensity }
-        };
         match view.background {
-            Background::Environment => map(light.environment.clone()),
-            Background::Blurred(width) => map(blur.blurred(&light.environment, width)),
+            Background::Environment => Self::sharp(light),
+            Background::Blurred(width) => Self::map(light, blur.blurred(&light.environment, width)),
             Background::Flat(radiance) => Self::Flat(radiance),
             Background::Transparent => Self::BLACK,
         }
+    }
+
+    /// The environment of `light`.
+    fn sharp(light: &Illumination) -> Self {
+        Self::map(light, light.environment.clone())
+    }
+
+    /// A map in the place of the environment of `light`.
+    fn map(light: &Illumination, map: Arc<Environment>) -> Self {
+        let environment_from_world = Sky::new(light).environment_from_world;
+        Self::Map { map, environment_from_world, intensity: light.intensity }
     }
 
     fn radiance(&self, direction: Vec3) -> Vec3 {
@@ -91,6 +98,8 @@ impl Behind {
 struct Catcher {
     /// The caught background; white for a picture with an alpha channel, which stores the transmitted share.
     caught: Behind,
+    /// What mirrors show behind it: the environment, sharp.
+    in_mirrors: Behind,
     /// Reflectance for a radiance of 1 behind the ground.
     per_radiance: Vec3,
     /// Channel weights in the transmitted share.
@@ -130,7 +139,8 @@ impl Backdrop {
                 Background::Transparent => Behind::Flat(Vec3::ONE),
                 _ => Behind::of(view, light, blur),
             };
-            Some(Catcher { caught, per_radiance, weights: share_weights(per_radiance) })
+            let in_mirrors = Behind::sharp(light);
+            Some(Catcher { caught, in_mirrors, per_radiance, weights: share_weights(per_radiance) })
         });
         Self { behind, catcher }
     }
@@ -158,6 +168,11 @@ impl Backdrop {
     /// Reflectance of a ground that catches shadows, seen along a world direction; `None` for an ordinary surface.
     pub(super) fn caught(&self, direction: Vec3) -> Option<Vec3> {
         self.catcher.as_ref().map(|catcher| catcher.caught.radiance(direction) * catcher.per_radiance)
+    }
+
+    /// [`Self::caught`] as mirrors show it.
+    pub(super) fn caught_in_mirrors(&self, direction: Vec3) -> Option<Vec3> {
+        self.catcher.as_ref().map(|catcher| catcher.in_mirrors.radiance(direction) * catcher.per_radiance)
     }
 }
 

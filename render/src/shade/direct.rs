@@ -46,13 +46,18 @@ const STEPS: [Vec2; ALL_CELLS] = {
 /// Most points along each edge of a cell.
 const FINEST: f32 = 8.0;
 
-/// Offset of a pixel's light samples in the unit square.
+/// Offset of a pixel's light samples in the unit square: each sample of the pixel has a ray for each cell of a light.
 pub(crate) fn pixel_shift(x: u32, y: u32, sample: u32) -> Vec2 {
+    ray_shift(x, y, (sample % 4096) * CELLS * CELLS)
+}
+
+/// Offset of a pixel's rays in the unit square, if each sample of the pixel has one.
+pub(crate) fn ray_shift(x: u32, y: u32, ray: u32) -> Vec2 {
     let noise = |x: f32, y: f32| (52.982_918 * (0.067_110_56 * x + 0.005_837_15 * y).fract()).fract();
     let (x, y) = (x as f32, y as f32);
     // Far apart, the two numbers are independent.
     let start = Vec2::new(noise(x, y), noise(y + 37.0, x + 91.0));
-    (start + STEP * ((sample % 4096) * CELLS * CELLS) as f32).fract()
+    (start + STEP * ray as f32).fract()
 }
 
 /// Share of a light's radiance at `distance` meters that reaches a point.

@@ -11,7 +11,7 @@ use crate::{
     sampling::BrdfSampling,
     shade::{
         merged::{Found, Merged},
-        mirror::Mirror,
+        mirror::{Mirror, rays::RayLobes},
         node_field::{EightLights, NodeField},
         surface::{ReceiverX8, SurfacePoint},
     },
@@ -110,11 +110,52 @@ impl<L: Lanes> EightTerms<'_, L> {
     }
 }
 
+/// Where the light of sharp lobes comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum SharpLight {
+    /// From the map of the light samples, if they have one, by its visible share.
+    Map,
+    /// From rays, see [`RayLobes`]: the cuts give none. What is sharp depends on the solid angle of a light sample; `of_surfaces`
+    /// tells whether wider lobes have rays for surfaces, whose light is `brightest` at most: the rest stays with the cuts.
+    Rays { leaf_solid_angle: f32, of_surfaces: bool, brightest: f32 },
+}
+
+impl SharpLight {
+    /// Lobes at a point that have rays.
+    pub fn lobes(self, point: &SurfacePoint) -> Option<RayLobes> {
+        match self {
+            Self::Map => None,
+            Self::Rays { leaf_solid_angle, of_surfaces: true, .. } => RayLobes::at(point, leaf_solid_angle),
+            Self::Rays { leaf_solid_angle, of_surfaces: false, .. } => RayLobes::of_map(point, leaf_solid_angle),
+        }
+    }
+
+    /// Most light of a surface that rays of wider lobes show, as a luminance.
+    #[inline(always)]
+    pub fn brightest(self) -> f32 {
+        match self {
+            Self::Map => f32::INFINITY,
+            Self::Rays { brightest, .. } => brightest,
+        }
+    }
+
+    /// The same for light of the environment: wider lobes have no rays.
+    pub fn of_environment(self) -> Self {
+        match self {
+            Self::Map => Self::Map,
+            Self::Rays { leaf_solid_angle, brightest, .. } => {
+                Self::Rays { leaf_solid_angle, of_surfaces: false, brightest }
+            }
+        }
+    }
+}
+
 /// Merges and evaluates cuts; keeps its buffers between pixels.
 pub struct Shader<'a, F> {
     pub(super) field: F,
     pub(super) cuts: &'a PackedCuts,
     pub(super) sampling: BrdfSampling,
+    pub(super) sharp: SharpLight,
     /// Whether the cuts include the surface's horizon: vertices see nothing below it.
     knows_horizon: bool,
     found: Found,
@@ -127,7 +168,7 @@ impl<'a, F: NodeField> Shader<'a, F> {
     /// Creates a shader for visibility `cuts` over the tree of `field`.
     pub fn new(field: F, cuts: &'a PackedCuts, sampling: BrdfSampling) -> Self {
         let (instructions, found, work) = (InstructionSet::widest(), Found::default(), Work::default());
-        Self { field, cuts, sampling, knows_horizon: true, found, instructions, work }
+        Self { field, cuts, sampling, sharp: SharpLight::Map, knows_horizon: true, found, instructions, work }
     }
 
     /// Creates a shader for `cuts` without any occlusion, not even by the surface itself.
@@ -145,8 +186,15 @@ impl<'a, F: NodeField> Shader<'a, F> {
     where
         F: 'a,
     {
-        let map = self.field.mirrored().filter(|_| self.sampling != BrdfSampling::Once)?;
+        let may_read = self.sharp == SharpLight::Map && self.sampling != BrdfSampling::Once;
+        let map = self.field.mirrored().filter(|_| may_read)?;
         Some((Mirror::at(point, self.field.solid_angle())?, map))
+    }
+
+    /// Lobes at a point that have rays for this light.
+    fn ray_lobes(&self, point: &SurfacePoint) -> Option<RayLobes> {
+        let is_of_environment = self.field.mirrored().is_some();
+        if is_of_environment { self.sharp.of_environment() } else { self.sharp }.lobes(point)
     }
 
     /// Visits the terms of the sum without a [`Mirror`], in any order, after the nodes of the merged cut without visible light,
@@ -158,20 +206,20 @@ impl<'a, F: NodeField> Shader<'a, F> {
         dark: impl FnMut(Interval),
         visit: impl FnMut(&EightTerms<L>),
     ) {
-        self.traverse_with(point, None, dark, visit);
+        self.traverse_with(point, [None; 2], dark, visit);
     }
 
-    /// [`Self::traverse`] including nodes without visible light that reach into the window of a mirror.
+    /// [`Self::traverse`] for a mirror, including nodes without visible light that reach into the window of one that reads the map.
     #[inline(always)]
     fn traverse_with<L: Lanes>(
         &mut self,
         point: &SurfacePoint,
-        mirror: Option<&Mirror>,
+        [mirror, of_map]: [Option<&Mirror>; 2],
         dark: impl FnMut(Interval),
         visit: impl FnMut(&EightTerms<L>),
     ) {
         let mut found = std::mem::take(&mut self.found);
-        self.work.merged_nodes += Merged::new(self, point, mirror).find::<L>(&mut found, dark);
+        self.work.merged_nodes += Merged::new(self, point, of_map).find::<L>(&mut found, dark);
         self.work.brdf_evaluations += found.terms.len() as u64;
         self.evaluate(point, mirror, found.terms.eights(), visit);
         self.found = found;
@@ -261,15 +309,20 @@ impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
     fn run<L: Lanes>(self) -> Vec3 {
         let Self { shader, point } = self;
         let mirror = shader.mirror(point);
+        let (rays, brightest) = (shader.ray_lobes(point), shader.sharp.brightest());
         let mut sums = [Vec3x8::<L>::splat(Vec3::ZERO); 3];
         let [reflected, seen, all] = &mut sums;
+        let of_map = mirror.as_ref().map(|(mirror, _)| mirror);
         shader.traverse_with::<L>(
             point,
-            mirror.as_ref().map(|(mirror, _)| mirror),
+            [of_map.or(rays.as_ref().and_then(RayLobes::narrowing)), of_map],
             |_| (),
             #[inline(always)]
             |eight| {
                 *reflected = *reflected + eight.reflected();
+                if let Some(rays) = &rays {
+                    *seen = *seen + eight.reflected() * rays.share_below(eight.wi, eight.radiance, brightest);
+                }
                 if let Some((mirror, _)) = &mirror {
                     let window = mirror.window(eight.wi);
                     *seen = *seen + eight.reflected() * window;
@@ -279,7 +332,7 @@ impl<F: NodeField> Kernel for Shade<'_, '_, '_, F> {
         );
         let per_leaf = shader.field.solid_angle();
         let reflected = reflected.reduce_add() * per_leaf;
-        let Some((mirror, map)) = mirror else { return reflected };
+        let Some((mirror, map)) = mirror else { return (reflected - seen.reduce_add() * per_leaf).max(Vec3::ZERO) };
         mirror.sharpened(
             reflected,
             seen.reduce_add() * per_leaf,

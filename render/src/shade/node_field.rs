@@ -6,6 +6,7 @@ use crate::light::{
     environment::{Distant, SceneLighting},
     mirrored_map::MirroredMap,
     node_row::{EightNodes, NodeExtent, NodeRow},
+    sent::SentByDirection,
     tree_light::TreeLight,
 };
 use glam::Vec3;
@@ -46,9 +47,9 @@ pub(crate) trait NodeField: Copy {
     where
         Self: 'm;
 
-    /// Mean radiance.
+    /// Mean radiance of a node, or what it sends back along the direction that leads to it.
     #[inline(always)]
-    fn radiance(&self, node: usize) -> Vec3 {
+    fn radiance(&self, node: usize, _direction: Vec3) -> Vec3 {
         self.tree().nodes.radiance[node]
     }
 }
@@ -149,6 +150,8 @@ impl NodeField for &SceneLighting {
 #[derive(Clone, Copy)]
 pub(crate) struct SourceField<'a> {
     lighting: &'a SourceLighting,
+    /// What it sends by direction, unless it counts as diffuse.
+    sent: Option<&'a SentByDirection>,
     /// Solid angle of each code.
     solid_angles: &'static [f32; 4096],
 }
@@ -156,7 +159,12 @@ pub(crate) struct SourceField<'a> {
 impl<'a> SourceField<'a> {
     /// Wraps sources under one illumination.
     pub fn new(lighting: &'a SourceLighting) -> Self {
-        Self { lighting, solid_angles: solid_angles() }
+        Self { lighting, sent: lighting.sent.as_deref(), solid_angles: solid_angles() }
+    }
+
+    /// The same sources as if they were diffuse.
+    pub fn as_diffuse(&self) -> Self {
+        Self { sent: None, ..*self }
     }
 }
 
@@ -169,6 +177,12 @@ impl NodeField for SourceField<'_> {
     #[inline(always)]
     fn tree(&self) -> &SourceLighting {
         self.lighting
+    }
+
+    #[inline(always)]
+    fn radiance(&self, node: usize, direction: Vec3) -> Vec3 {
+        let mean = self.lighting.nodes.radiance[node];
+        self.sent.map_or(mean, |sent| sent.share(node, -direction) * mean.max_element())
     }
 
     #[inline(always)]
@@ -195,13 +209,20 @@ impl NodeField for SourceField<'_> {
 
     #[inline(always)]
     fn light<L: Lanes>(&self, nodes: [usize; 8], from: Vec3, spread: bool) -> EightLights<L> {
-        let nodes = NodeRow::eight(&self.lighting.rows, nodes);
-        let to_center = nodes.place - Vec3x8::splat(from);
-        let (direction, radiance) = (normalized(to_center), nodes.radiance);
+        let rows = NodeRow::eight(&self.lighting.rows, nodes);
+        let to_center = rows.place - Vec3x8::splat(from);
+        let direction = normalized(to_center);
+        let radiance = match self.sent {
+            None => rows.radiance,
+            Some(sent) => {
+                let Vec3x8 { x, y, z } = rows.radiance;
+                sent.shares(nodes, direction * L::splat(-1.0)) * x.fast_max(y).fast_max(z)
+            }
+        };
         if !spread {
             return EightLights::of_points(direction, radiance);
         }
-        let inv_kappa = cap_inv_kappa(to_center, nodes.spread);
+        let inv_kappa = cap_inv_kappa(to_center, rows.spread);
         EightLights { direction, inv_kappa, moments: LobeMomentsX8::new(inv_kappa), radiance }
     }
 

@@ -10,16 +10,20 @@ use crate::{
     sampling::BrdfSampling,
     shade::{
         direct::{DirectLights, DirectShader, EightPoints, LightsSeen},
-        merge::{Shader, Work},
+        merge::{Shader, SharpLight, Work},
+        mirror::rays::{RayLobes, brightest_by_rays},
+        mirrors::{Mirrors, cone::CameraCones},
         node_field::SourceField,
+        seen_scene::SeenScene,
         surface::SurfacePoint,
     },
     stale::LightPart,
     view::View,
     view_mode::{BasisView, ViewMode, visibility_cuts},
 };
-use glam::{Mat3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use lapidary_core::{
+    color::{luminance, signed_light},
     dataset::Dataset,
     meshless::{FunctionPlace, irradiance},
     ray::Blockers,
@@ -46,6 +50,8 @@ pub(crate) struct PictureLight<'a> {
     pub local: Option<DirectLights<'a>>,
     /// Local lights that are summed separately; [`Self::local`] has the others.
     pub added: Option<DirectLights<'a>>,
+    /// The scene that mirrors show, if they do.
+    pub mirrored: Option<SeenScene<'a>>,
 }
 
 impl PictureLight<'_> {
@@ -56,9 +62,11 @@ impl PictureLight<'_> {
             LightPart::Environment => true,
             LightPart::Bounce => match self.bounce {
                 Some(BounceLight::Functions(_)) => shaded || mode.is_of_basis(),
+                Some(BounceLight::Sources(_)) => shaded || mode == ViewMode::Gloss,
                 Some(_) => shaded,
                 None => shaded && self.posed_bounce.is_some(),
             },
+            LightPart::Mirrors => shaded && self.mirrored.is_some(),
             LightPart::Direct => shaded && self.local.is_some(),
             LightPart::Added => shaded && self.added.is_some(),
         })
@@ -87,18 +95,40 @@ impl<'a> Bounce<'a> {
         })
     }
 
-    /// Radiance toward the eye. Vertices and functions treat the surface as diffuse with the same albedo.
-    fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
+    /// Radiance toward the eye. Vertices and functions treat the surface as diffuse with an albedo.
+    fn reflected(&mut self, point: &SurfacePoint, sharp: SharpLight) -> Vec3 {
         let received = match self {
-            Self::Sources(shader) => return shader.shade(point),
-            Self::Patches(light) => return light.reflected(point),
+            Self::Sources(shader) => {
+                shader.sharp = sharp;
+                return shader.shade(point);
+            }
+            Self::Patches(light) => return light.reflected(point) * rough_share(point, sharp),
             Self::Vertices(sides) => sides.at(point.vertices, point.weights, point.from_behind),
             Self::Functions(light) => {
-                let vector = place(light, point).map(|place| light.at(&place, point.from_behind));
-                irradiance(&vector.unwrap_or(Mat3A::ZERO), point.world_from_local.z_axis)
+                let Some(place) = place(light, point) else { return Vec3::ZERO };
+                let received = irradiance(&light.at(&place, point.from_behind), point.world_from_local.z_axis);
+                if let Some(reflectance) = light.reflectance(&place, point) {
+                    return reflectance * rough_share(point, sharp) * received * FRAC_1_PI;
+                }
+                received
             }
         };
-        point.brdf.as_brdf().albedo() * received * FRAC_1_PI
+        albedo(point, sharp) * received * FRAC_1_PI
+    }
+}
+
+/// Albedo of a point, without the part that rays along sharp lobes give.
+fn albedo(point: &SurfacePoint, sharp: SharpLight) -> Vec3 {
+    let albedo = point.brdf.as_brdf().albedo();
+    let mirrored = sharp.lobes(point).map(|lobes| lobes.albedo(point));
+    (albedo - mirrored.unwrap_or_default()).max(Vec3::ZERO)
+}
+
+/// The same as a share of the whole albedo.
+fn rough_share(point: &SurfacePoint, sharp: SharpLight) -> Vec3 {
+    match sharp {
+        SharpLight::Map => Vec3::ONE,
+        SharpLight::Rays { .. } => albedo(point, sharp) / point.brdf.as_brdf().albedo().max(Vec3::splat(1e-6)),
     }
 }
 
@@ -128,8 +158,11 @@ pub(crate) struct Painter<'a> {
     posed_bounce: Option<&'a PosedLight>,
     local: Option<DirectShader<'a>>,
     added: Option<DirectShader<'a>>,
-    /// Blockers of the last point's rays, for each local light and each added one.
-    blockers: [Vec<Blockers>; 2],
+    mirrors: Option<Mirrors<'a>>,
+    /// Where the light of the current point's sharp lobes comes from.
+    sharp: SharpLight,
+    /// Blockers of the last point's rays, for each local light and each added one; and of what mirrors show.
+    blockers: [[Vec<Blockers>; 2]; 2],
     /// Work not yet taken by [`Self::take_work`].
     shown: Work,
 }
@@ -138,6 +171,20 @@ impl<'a> Painter<'a> {
     pub fn new(view: &View, dataset: &'a Dataset, light: PictureLight<'a>, sampling: BrdfSampling) -> Self {
         let environment = light.environment.map(|lighting| Shader::new(lighting, &dataset.cuts, sampling));
         let bounce = light.bounce.and_then(|bounce| Bounce::new(bounce, dataset, sampling));
+        let map = light.environment.and_then(|lighting| lighting.lights.mirrored.as_ref());
+        // Light samples alone have no light for what is sharp.
+        let has_map = map.is_some() || light.environment.is_none();
+        let mirrors = light.mirrored.filter(|_| view.mode == ViewMode::Shaded && has_map);
+        let leaf_solid_angle = dataset.tree.leaf_solid_angle();
+        let sources = match light.bounce {
+            Some(BounceLight::Sources(lighting)) => Some(&**lighting),
+            _ => None,
+        };
+        let brightest = brightest_by_rays(sources);
+        let mirrors = mirrors.map(|scene| {
+            let cones = CameraCones::of(view);
+            Mirrors { scene, map, leaf_solid_angle, brightest, cones }
+        });
         Self {
             mode: view.mode,
             basis: view.basis,
@@ -149,6 +196,8 @@ impl<'a> Painter<'a> {
             posed_bounce: light.posed_bounce,
             local: light.local.map(|lights| lights.shader()),
             added: light.added.map(|lights| lights.shader()),
+            mirrors,
+            sharp: mirrors.map_or(SharpLight::Map, |mirrors| mirrors.sharp()),
             blockers: Default::default(),
             shown: Work::default(),
         }
@@ -156,14 +205,16 @@ impl<'a> Painter<'a> {
 
     /// One part of a point's light as scene-linear radiance. The first part also holds the quantities of other modes: an albedo, a
     /// normal from 0 to 1, a roughness, or a count. `shift` places samples of lights with an extent, see
-    /// [`crate::shade::direct::pixel_shift`]; `seen` comes from [`Self::lights_seen`].
+    /// [`crate::shade::direct::pixel_shift`], and `ray_shift` for mirrors; `seen` comes from [`Self::lights_seen`].
     pub fn part(&mut self, part: LightPart, point: &SurfacePoint, shift: Vec2, seen: SeenOfParts) -> Vec3 {
         match part {
             LightPart::Environment => self.mode_value(point),
             LightPart::Bounce if self.mode.is_of_basis() => self.basis_value(point),
+            LightPart::Bounce if self.mode == ViewMode::Gloss => self.gloss_value(point),
             LightPart::Bounce => self.bounced(point),
-            LightPart::Direct => direct(&self.local, point, shift, seen.local, &mut self.blockers[0]),
-            LightPart::Added => direct(&self.added, point, shift, seen.added, &mut self.blockers[1]),
+            LightPart::Mirrors => self.mirrored(point, shift),
+            LightPart::Direct => direct(&self.local, point, shift, seen.local, &mut self.blockers[0][0]),
+            LightPart::Added => direct(&self.added, point, shift, seen.added, &mut self.blockers[0][1]),
         }
     }
 
@@ -197,16 +248,53 @@ impl<'a> Painter<'a> {
             ViewMode::MergedCut => Vec3::splat(self.work_at(point).merged_nodes as f32),
             ViewMode::BrdfEvaluations => Vec3::splat(self.work_at(point).brdf_evaluations as f32),
             // These modes belong to bounced light.
-            ViewMode::BasisLevel | ViewMode::BasisFunction | ViewMode::BasisCoefficients => Vec3::ZERO,
+            ViewMode::BasisLevel | ViewMode::BasisFunction | ViewMode::BasisCoefficients | ViewMode::Gloss => {
+                Vec3::ZERO
+            }
         }
+    }
+
+    /// What sharp lobes at a point show along a ray, which `shift` chooses.
+    fn mirrored(&mut self, point: &SurfacePoint, shift: Vec2) -> Vec3 {
+        let Some(mirrors) = self.mirrors else { return Vec3::ZERO };
+        mirrors.shown(point, shift, &mut |point, sharp, shift| self.all_light(point, sharp, shift))
+    }
+
+    /// Width of the widest sharp lobe of a point; 0 for none.
+    pub fn width_of_mirror(&self, point: &SurfacePoint) -> f32 {
+        self.mirrors
+            .and_then(|mirrors| RayLobes::at(point, mirrors.leaf_solid_angle))
+            .map_or(0.0, |lobes| lobes.width())
+    }
+
+    /// See [`Mirrors::over_ground`].
+    pub fn over_ground(&mut self, point: &SurfacePoint, shift: Vec2) -> [Vec3; 2] {
+        let Some(mirrors) = self.mirrors else { return [Vec3::ZERO; 2] };
+        mirrors.over_ground(point, shift, &mut |point, sharp, shift| self.all_light(point, sharp, shift))
+    }
+
+    /// Light of all kinds from a point, but what mirrors show there.
+    fn all_light(&mut self, point: &SurfacePoint, sharp: SharpLight, shift: Vec2) -> Vec3 {
+        let before = std::mem::replace(&mut self.sharp, sharp);
+        let around = self.reflected(point) + self.emitted(point) + self.bounced(point);
+        self.sharp = before;
+        let ([local, added], point) = (&mut self.blockers[1], point.within_cone());
+        let local = direct(&self.local, &point, shift, LightsSeen::default(), local);
+        around + local + direct(&self.added, &point, shift, LightsSeen::default(), added)
     }
 
     /// Direct light of the environment.
     fn reflected(&mut self, point: &SurfacePoint) -> Vec3 {
-        let as_baked = self.environment.as_mut().map(|shader| shader.shade(point)).unwrap_or_default();
+        let sharp = self.sharp;
+        let as_baked = self.environment.as_mut().map(|shader| {
+            shader.sharp = sharp;
+            shader.shade(point)
+        });
+        let as_baked = as_baked.unwrap_or_default();
         let Some(posed) = self.posed.filter(|_| self.environment.is_some()) else { return as_baked };
         let at = |sides: &Sides| sides.at(point.vertices, point.weights, point.from_behind);
-        as_baked * (1.0 + at(&posed.growth)) + point.brdf.as_brdf().albedo() * at(&posed.uncovered) * FRAC_1_PI
+        let albedo = albedo(point, sharp.of_environment());
+        as_baked * (1.0 + at(&posed.growth)) + albedo * at(&posed.uncovered) * FRAC_1_PI
     }
 
     fn emitted(&self, point: &SurfacePoint) -> Vec3 {
@@ -233,11 +321,12 @@ impl<'a> Painter<'a> {
         let has_moved = posed.is_moved[point.vertices[0] as usize];
         let as_baked = if has_moved { Vec3::ZERO } else { self.bounced_as_baked(point) };
         let more = posed.bounce.at(point.vertices, point.weights, point.from_behind);
-        (as_baked + point.brdf.as_brdf().albedo() * more * FRAC_1_PI).max(Vec3::ZERO)
+        (as_baked + albedo(point, self.sharp) * more * FRAC_1_PI).max(Vec3::ZERO)
     }
 
     fn bounced_as_baked(&mut self, point: &SurfacePoint) -> Vec3 {
-        self.bounce.as_mut().map(|bounce| bounce.reflected(point)).unwrap_or_default()
+        let sharp = self.sharp;
+        self.bounce.as_mut().map(|bounce| bounce.reflected(point, sharp)).unwrap_or_default()
     }
 
     /// Value in the views of the meshless basis. Twin of `basis_value` in `shaders/meshless_pass.wgsl`.
@@ -255,6 +344,17 @@ impl<'a> Painter<'a> {
                 None => gray,
             },
         }
+    }
+
+    /// What sources send by direction, less what diffuse ones would.
+    fn gloss_value(&mut self, point: &SurfacePoint) -> Vec3 {
+        let Some(Bounce::Sources(shader)) = &mut self.bounce else { return Vec3::ZERO };
+        let by_direction = shader.shade(point);
+        let field = shader.field;
+        shader.field = field.as_diffuse();
+        let as_diffuse = shader.shade(point);
+        shader.field = field;
+        signed_light(luminance(by_direction - as_diffuse))
     }
 
     fn work_at(&mut self, point: &SurfacePoint) -> Work {

@@ -5,6 +5,7 @@ use crate::{
     shade::{
         background::Backdrop,
         differentials::Differentials,
+        seen_scene::SeenScene,
         surface::{FirstHit, SurfacePoint, Surfaces},
         wireframe,
     },
@@ -13,10 +14,8 @@ use crate::{
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     camera::{PINHOLE, Projection},
-    ground::Ground,
     opacity::chance,
     ray::{Hit, in_eights},
-    scene::Mesh,
 };
 use std::ops::Range;
 
@@ -24,10 +23,7 @@ use std::ops::Range;
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
     pub projection: Projection,
-    backdrop: &'a Backdrop,
-    /// The mesh, including its ground if any.
-    mesh: &'a Mesh,
-    surfaces: Surfaces<'a>,
+    scene: SeenScene<'a>,
     offsets: Vec<Vec2>,
 }
 
@@ -67,14 +63,14 @@ fn threshold([x, y]: [u32; 2], sample: u32) -> impl Fn(u32) -> f32 {
 
 impl<'a> PixelSampler<'a> {
     pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
-        let mesh = &renderer.dataset().scene.mesh;
-        let surfaces = Surfaces::of(renderer).filtered(Differentials::of(view));
-        Self { view, projection: view.projection(), backdrop, mesh, surfaces, offsets: view.pixel_offsets() }
+        let scene = SeenScene::new(renderer, view, backdrop);
+        let scene = SeenScene { surfaces: scene.surfaces.filtered(Differentials::of(view)), ..scene };
+        Self { view, projection: view.projection(), scene, offsets: view.pixel_offsets() }
     }
 
     /// Uses point lookups in maps, for enough positions per pixel to filter them.
     pub fn unfiltered(self, renderer: &'a Renderer) -> Self {
-        Self { surfaces: Surfaces::of(renderer), ..self }
+        Self { scene: SeenScene { surfaces: Surfaces::of(renderer), ..self.scene }, ..self }
     }
 
     /// The requested pixels of a row.
@@ -99,9 +95,9 @@ impl<'a> PixelSampler<'a> {
     /// The view from a position in the pixel's unit square; only surfaces above the opacity thresholds are visible.
     fn sight_at(&self, [x, y]: [u32; 2], in_pixel: Vec2, threshold: impl Fn(u32) -> f32) -> Sight {
         let (position, ray @ (origin, direction)) = self.toward(x, y, in_pixel);
-        let first = self.surfaces.hit_above(origin, direction, &threshold);
-        let hit = self.past_hidden_ground(first, ray, threshold);
-        Sight { position, direction, seen: self.seen(hit, direction) }
+        let first = self.scene.surfaces.hit_above(origin, direction, &threshold);
+        let hit = self.scene.past_hidden_ground(first, ray, threshold);
+        Sight { position, direction, seen: self.scene.seen(hit, direction) }
     }
 
     /// A position in the picture, and its ray's origin and direction.
@@ -118,41 +114,29 @@ impl<'a> PixelSampler<'a> {
         let of_ray = |ray: usize| threshold(pixels[ray.min(pixels.len() - 1)], sample as u32);
         // Eight rays traced together share an origin; this holds for a pinhole camera.
         let eye = self.projection.eye;
-        let hits = self.surfaces.hits_from(eye, &eights, |ray, triangle| of_ray(ray)(triangle)).into_flattened();
+        let hits = self.scene.surfaces.hits_from(eye, &eights, |ray, triangle| of_ray(ray)(triangle)).into_flattened();
         let first = hits.into_iter().zip(eights.as_flattened()).take(pixels.len()).enumerate();
-        first.map(|(ray, (hit, &direction))| self.past_hidden_ground(hit, (eye, direction), of_ray(ray))).collect()
+        first
+            .map(|(ray, (hit, &direction))| self.scene.past_hidden_ground(hit, (eye, direction), of_ray(ray)))
+            .collect()
     }
 
     /// The view along one sample of a pixel, from its known hit.
     pub fn sight_of(&self, [x, y]: [u32; 2], sample: usize, hit: Option<Hit>) -> Sight {
         let (position, (_, direction)) = self.toward(x, y, self.offset(sample));
-        Sight { position, direction, seen: self.seen(hit, direction) }
-    }
-
-    /// A camera ray's hit, or the next one behind a hidden ground. The ground is always hidden from below.
-    fn past_hidden_ground(&self, hit: Option<Hit>, ray: (Vec3, Vec3), threshold: impl Fn(u32) -> f32) -> Option<Hit> {
-        let is_seen = self.view.ground() != Ground::Off;
-        self.surfaces.past_ground(hit, ray, is_seen, threshold)
-    }
-
-    /// The first hit as seen. A ground that catches shadows reflects the background.
-    fn seen(&self, hit: Option<Hit>, direction: Vec3) -> FirstHit {
-        let seen = self.surfaces.seen_at(hit, direction);
-        let is_ground = hit.is_some_and(|hit| self.mesh.is_ground(hit.triangle));
-        match (seen, is_ground.then(|| self.backdrop.caught(direction)).flatten()) {
-            (FirstHit::Surface(point), Some(reflectance)) => FirstHit::Surface(point.catching(reflectance).into()),
-            (seen, _) => seen,
-        }
+        Sight { position, direction, seen: self.scene.seen(hit, direction) }
     }
 
     /// Whether the picture stores only the ground's transmitted share.
     pub fn has_alpha_of_ground(&self) -> bool {
-        self.view.background == Background::Transparent && self.backdrop.catches() && self.mesh.ground.is_some()
+        self.view.background == Background::Transparent
+            && self.scene.backdrop.catches()
+            && self.scene.mesh.ground.is_some()
     }
 
     /// Whether a material belongs to the ground.
     pub fn is_of_ground(&self, material: u32) -> bool {
-        self.mesh.ground_material() == Some(material)
+        self.scene.mesh.ground_material() == Some(material)
     }
 
     /// Whether a point lies on a ground of which the picture stores only the transmitted share.
@@ -163,7 +147,7 @@ impl<'a> PixelSampler<'a> {
     /// The surface at `hit` for a pixel's first sample; `None` for the back of a one-sided surface.
     pub fn first_point(&self, x: u32, y: u32, hit: &Hit) -> Option<SurfacePoint> {
         let (_, (_, direction)) = self.toward(x, y, self.offset(0));
-        match self.seen(Some(*hit), direction) {
+        match self.scene.seen(Some(*hit), direction) {
             FirstHit::Surface(point) => Some(*point),
             FirstHit::Back | FirstHit::Background => None,
         }
@@ -171,7 +155,7 @@ impl<'a> PixelSampler<'a> {
 
     /// Index of a triangle's material.
     pub fn material(&self, triangle: u32) -> u32 {
-        self.surfaces.material(triangle)
+        self.scene.surfaces.material(triangle)
     }
 
     /// Wireframe coverage of a sample on a triangle.
@@ -182,17 +166,17 @@ impl<'a> PixelSampler<'a> {
 
     /// [`Self::wire`] for a pixel's first sample.
     pub fn first_wire(&self, x: u32, y: u32, triangle: u32) -> f32 {
-        self.wire(Vec2::new(x as f32, y as f32) + self.offset(0), self.surfaces.corners(triangle))
+        self.wire(Vec2::new(x as f32, y as f32) + self.offset(0), self.scene.surfaces.corners(triangle))
     }
 
     /// Share of the light that a ground transmits, from its shown light over a white background.
     pub fn share_let_through(&self, shown: Vec3) -> f32 {
-        self.backdrop.share_let_through(shown)
+        self.scene.backdrop.share_let_through(shown)
     }
 
     /// Background along a direction that hits no surface.
     pub fn behind(&self, direction: Vec3) -> Vec3 {
-        self.backdrop.radiance(direction)
+        self.scene.backdrop.radiance(direction)
     }
 
     /// One sample of the pixel: `shade` of its surface, or the background.

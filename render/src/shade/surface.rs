@@ -14,7 +14,7 @@ use lapidary_core::{
     surfel::MeshPlace,
     texture::UvSet,
 };
-use std::f32::consts::TAU;
+use std::{borrow::Cow, f32::consts::TAU};
 use wide::f32x8;
 
 /// A point of a surface as seen along one ray.
@@ -55,8 +55,12 @@ pub struct SurfacePoint {
     pub emission: Vec3,
     /// Twice the covariance of the slopes within the sample, in the local frame, which widens all lobes: xx, xy, yy.
     pub slopes: [f32; 3],
+    /// The same along each axis by the cone of a mirror's ray. It blurs the map and lamps, which are small, and makes no lobe less sharp.
+    pub by_cone: f32,
     /// Whether it belongs to a ground that catches shadows.
     pub is_catcher: bool,
+    /// The ground's own surface there, if it has lobes: sharp ones reflect over the caught background.
+    pub ground: Option<Box<SurfacePoint>>,
 }
 
 impl SurfacePoint {
@@ -64,7 +68,9 @@ impl SurfacePoint {
     pub fn catching(self, reflectance: Vec3) -> Self {
         let wo = self.world_from_local * self.wo;
         let world_from_local = frame_along(self.smooth_normal, Vec3::X, 1.0);
+        let has_lobes = self.brdf.as_brdf().narrowest_lobe().is_some();
         Self {
+            ground: has_lobes.then(|| Box::new(self.clone())),
             world_from_local,
             wo: world_from_local.transpose() * wo,
             base_color: reflectance,
@@ -88,6 +94,17 @@ impl SurfacePoint {
         let [along, across] = [xx, yy].map(|square| (square - xy.abs()).max(0.0));
         let widened = |[x, y]: [f32; 2]| [(x * x + along).sqrt(), (y * y + across).sqrt()];
         lobes.map(|lobe| if lobe == NO_LOBE { NO_LOBE } else { widened(lobe) })
+    }
+
+    /// The point with lobes that are widened by the cone.
+    pub fn within_cone(&self) -> Cow<'_, Self> {
+        match self.by_cone {
+            0.0 => Cow::Borrowed(self),
+            by_cone => {
+                let [xx, xy, yy] = self.slopes;
+                Cow::Owned(Self { slopes: [xx + by_cone, xy, yy + by_cone], ..self.clone() })
+            }
+        }
     }
 
     /// BRDF times cosine for eight lights in local directions; zero below the horizon.
@@ -244,6 +261,7 @@ pub enum FirstHit {
 }
 
 /// Looks up surface points of a dataset.
+#[derive(Clone, Copy)]
 pub struct Surfaces<'a> {
     dataset: &'a Dataset,
     appearance: &'a ResolvedAppearance,
@@ -391,7 +409,9 @@ impl<'a> Surfaces<'a> {
             brdf: look.brdf,
             emission: look.emission,
             slopes,
+            by_cone: 0.0,
             is_catcher: false,
+            ground: None,
         }
     }
 }

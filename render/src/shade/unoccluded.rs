@@ -61,7 +61,9 @@ impl<'a> UnoccludedShader<'a> {
             brdf: look.brdf,
             emission: look.emission,
             slopes,
+            by_cone: 0.0,
             is_catcher: false,
+            ground: None,
         });
         look.emission + reflected
     }

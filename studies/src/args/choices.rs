@@ -73,6 +73,7 @@ pub fn view_mode() -> impl TypedValueParser<Value = ViewMode> {
         ("basis-level", "Contribution of one level of the meshless basis to bounced light: red adds, blue subtracts"),
         ("basis-function", "One function of the meshless basis, red where it is 1"),
         ("basis-coefficients", "Functions of the meshless basis with nonzero coefficients, by level"),
+        ("gloss", "What bounced light gains from sources that send by direction: red adds, blue subtracts"),
     ])
 }
 

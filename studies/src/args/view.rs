@@ -113,6 +113,9 @@ struct CameraArgs {
     /// How the ground of the dataset is shown [default: as it was baked]
     #[arg(long, value_parser = choices::ground())]
     ground: Option<Ground>,
+    /// Sharp reflections show the environment and bounced light as baked, instead of the scene
+    #[arg(long)]
+    no_mirrors: bool,
 }
 
 /// Background option.
@@ -204,6 +207,7 @@ impl ViewArgs {
             aa: self.camera.aa,
             background: self.camera.background.into(),
             ground: self.camera.ground_of(&dataset, &self.file)?,
+            mirrors: !self.camera.no_mirrors,
             ..View::new(camera, self.camera.size)
         };
         Ok(ViewedScene { baked: dataset.into(), poses: Poses::default(), view, light, local })
@@ -372,6 +376,7 @@ mod tests {
         aa: 1,
         background: BackgroundOption::Environment,
         ground: None,
+        no_mirrors: false,
     };
 
     fn scene(cameras: Vec<Camera>) -> Scene {

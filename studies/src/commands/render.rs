@@ -9,7 +9,7 @@ use crate::{
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::dataset::Dataset;
-use lapidary_render::{BasisView, Look, RenderStats, ViewMode};
+use lapidary_render::{BasisView, Look, RenderStats, Solution, ViewMode};
 use std::path::PathBuf;
 
 /// Options of `render`.
@@ -51,9 +51,12 @@ impl RenderArgs {
         if self.show.is_of_basis() && dataset.meshless.is_none() {
             bail!("the dataset has no meshless basis to show; bake it with --mode meshless");
         }
+        if self.show == ViewMode::Gloss && !dataset.settings.mode.has_all(Solution::CutsGloss.needs()) {
+            bail!("the view gloss needs surface sources and a meshless basis; bake the scene with --mode all");
+        }
         look.view.mode = self.show;
         look.view.basis = BasisView { level: self.level, function: self.function };
-        look.components.indirect |= self.show.is_of_basis();
+        look.components.indirect |= self.show.is_of_bounce();
         Ok(look)
     }
 

@@ -32,7 +32,7 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
         "lights": lights,
         "materials": look.appearance.materials,
         "components": look.components.to_string(),
-        "solution": look.solution.to_string(),
+        "solution": look.shown_solution().to_string(),
         "illumination_cut": look.illum_cut,
         "lit_cuts": number(look.tau),
         "brdf_sampling": look.sampling,

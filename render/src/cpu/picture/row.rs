@@ -3,7 +3,6 @@
 use super::{Seen, Sum, lights_seen};
 use crate::{
     shade::{
-        direct::pixel_shift,
         painter::{Painter, SeenOfParts},
         pixel_sampler::{PixelSampler, Sight},
         surface::FirstHit,
@@ -74,7 +73,7 @@ impl Row<'_> {
         }
         for part in LightPart::ALL.into_iter().filter(|&part| lacks[part as usize]) {
             let sum = &mut self.parts[part as usize][x as usize];
-            sum.add(part, (sampler, painter), sight, (pixel_shift(x, y, sample), seen_lights));
+            sum.add(part, (sampler, painter), sight, ([x, y, sample], seen_lights));
         }
     }
 }

@@ -60,18 +60,20 @@ impl Progress {
 
     /// All passes that add a sample to the sums of the parts of the light, in some areas of the sums or of the lattice with
     /// a stride.
-    pub fn encode_parts(&self, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
+    pub fn encode_parts(&self, passes: &Passes, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
         let (picture, from) = (self.picture(), self.state().front);
         let groups = &picture.groups;
         for PartPass { part, pass, light } in &picture.passes {
             let bound = groups.sums[*part as usize].as_ref().zip(self.written(*part, stride));
             let Some((sums, to)) = bound else { continue };
-            encode_areas(encoder, pass, &[&groups.frame, &groups.scene, light, &sums[from]], to, areas);
+            let outputs = [&to.value, &to.work];
+            encode_areas(encoder, pass, &[&groups.frame, &groups.scene, light, &sums[from]], &outputs, areas);
         }
+        self.encode_mirrors(passes, encoder, stride, areas);
     }
 
     /// Where the passes write a part of the light.
-    fn written(&self, part: LightPart, stride: u32) -> Option<&Sums> {
+    pub(super) fn written(&self, part: LightPart, stride: u32) -> Option<&Sums> {
         let (targets, back) = (self.targets(), 1 - self.state().front);
         match lattice(stride) {
             None => Some(&targets.parts[part as usize].as_ref()?[back]),
@@ -87,7 +89,8 @@ impl Progress {
             let Some(((sums, lattices), to)) = bound.zip(self.written(part, 1)) else { continue };
             let Some(lattice) = lattice(stride) else { continue };
             let bound = [&groups.frame, &groups.scene, &lattices[lattice], &sums[front]];
-            encode_areas(encoder, &passes.sketch[usize::from(part != LightPart::Environment)], &bound, to, areas);
+            let pass = &passes.sketch[usize::from(part != LightPart::Environment)];
+            encode_areas(encoder, pass, &bound, &[&to.value, &to.work], areas);
         }
     }
 
@@ -145,7 +148,7 @@ fn stale_marks(Marks { materials, patches }: Marks) -> layout::StaleMarks {
     layout::StaleMarks { materials: words(materials), patches: words(patches) }
 }
 
-fn clear(encoder: &mut wgpu::CommandEncoder, sums: &Sums) {
+pub(super) fn clear(encoder: &mut wgpu::CommandEncoder, sums: &Sums) {
     clear_targets(encoder, &[&sums.value, &sums.work]);
 }
 
@@ -159,7 +162,7 @@ fn clear_targets(encoder: &mut wgpu::CommandEncoder, targets: &[&Target]) {
 }
 
 /// Which lattice has a stride; `None` for the whole sample.
-fn lattice(stride: u32) -> Option<usize> {
+pub(super) fn lattice(stride: u32) -> Option<usize> {
     match stride {
         1 => None,
         4 => Some(1),
@@ -188,16 +191,17 @@ fn bind(drawing: &mut wgpu::RenderPass, pass: &Pass, groups: &[&wgpu::BindGroup]
 }
 
 /// A pass over some areas, which keeps the others.
-fn encode_areas(
+pub(super) fn encode_areas(
     encoder: &mut wgpu::CommandEncoder,
     pass: &Pass,
     groups: &[&wgpu::BindGroup],
-    to: &Sums,
+    outputs: &[&Target],
     areas: &[Region],
 ) {
+    let attachments: Vec<_> = outputs.iter().map(|target| kept(target)).collect();
     let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(pass.label),
-        color_attachments: &[kept(&to.value), kept(&to.work)],
+        color_attachments: &attachments,
         ..Default::default()
     });
     bind(&mut drawing, pass, groups);

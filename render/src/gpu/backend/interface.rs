@@ -10,6 +10,7 @@ use crate::{
     device::{Compute, storage},
     error::BackendError,
     gpu::{
+        frame::in_mirrors,
         light::{GpuLight, scaled_map},
         materials::GpuMaterials,
         posed,
@@ -21,6 +22,7 @@ use crate::{
     },
     post::Post,
     sampling::BrdfSampling,
+    shade::mirror::rays,
     sketch::Tiles,
     stale::{LightPart, Stale},
     summed::DirectStep,
@@ -62,7 +64,18 @@ impl Backend for GpuBackend {
             scene.assign(gpu, dataset, &appearance);
         }
         self.compile_for(&appearance, true)?;
-        self.shown.set_scene(Loaded { scene, patches, materials, assigned, dataset: dataset.clone() });
+        let mirrors = rays::marks(&appearance, scene.leaf_solid_angle);
+        let baked = baked.clone();
+        self.shown.set_scene(Loaded {
+            scene,
+            patches,
+            materials,
+            assigned,
+            mirrors,
+            rays: None,
+            has_tried_rays: false,
+            baked,
+        });
         self.progress.forget();
         Ok(())
     }
@@ -71,7 +84,7 @@ impl Backend for GpuBackend {
         let gpu = self.pipelines.gpu();
         let Some(mut loaded) = self.shown.scene.take() else { return Ok(()) };
         loaded.scene.pose(gpu, &posed.dataset)?;
-        loaded.dataset = posed.dataset.clone();
+        (loaded.baked, loaded.rays, loaded.has_tried_rays) = (posed.clone(), None, false);
         self.shown.scene = Some(loaded);
         self.shown.forget_light();
         self.progress.forget();
@@ -81,16 +94,22 @@ impl Backend for GpuBackend {
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError> {
         let gpu = self.pipelines.gpu();
         let Some(loaded) = self.shown.scene.take() else { return Ok(Vec::new()) };
-        let (fitted, mut messages) = appearance.fitted(&loaded.dataset.scene.materials);
+        let (fitted, mut messages) = appearance.fitted(&loaded.baked.dataset.scene.materials);
         let (materials, scaled) = GpuMaterials::new(gpu, &fitted, Some(loaded.materials));
         messages.extend(scaled);
         if !same_assignment(&loaded.assigned, &fitted.assigned) {
-            loaded.scene.assign(gpu, &loaded.dataset, &fitted);
+            loaded.scene.assign(gpu, &loaded.baked.dataset, &fitted);
         }
-        self.shown.scene = Some(Loaded { materials, assigned: fitted.assigned.clone(), ..loaded });
+        let mirrors = rays::marks(&fitted, loaded.scene.leaf_solid_angle);
+        self.shown.scene = Some(Loaded { materials, assigned: fitted.assigned.clone(), mirrors, ..loaded });
         self.progress.picture = None;
         self.compile_for(&fitted, false)?;
-        self.pipelines.gpu().check()?;
+        let Self { pipelines, shown, .. } = self;
+        let uploaded = shown.scene.as_mut().map(|loaded| loaded.upload_rays(pipelines.gpu()));
+        if let Some(Err(error)) = uploaded {
+            messages.push(format!("mirrors show the environment alone: {error}"));
+        }
+        pipelines.gpu().check()?;
         Ok(messages)
     }
 
@@ -146,7 +165,8 @@ impl Backend for GpuBackend {
         (state.plan, state.summed.complete) = (self.shown.local_lights.plan().clone(), 0);
         self.progress.state = Some(state);
         let Self { pipelines, progress, .. } = self;
-        let (pixels, merges_added) = (|part| step.forgets(stale, part), step == DirectStep::MergeAndAdd);
+        let mirrors = self.shown.loaded().mirrors;
+        let (pixels, merges_added) = (|part| step.forgets(stale, part, mirrors), step == DirectStep::MergeAndAdd);
         pipelines.submit(|encoder| progress.encode_kept(pipelines, encoder, pixels, merges_added))
     }
 
@@ -165,7 +185,7 @@ impl Backend for GpuBackend {
             if rows.start == 0 {
                 progress.encode_seen(&pipelines.passes, encoder, sample);
             }
-            progress.encode_parts(encoder, 1, &[area]);
+            progress.encode_parts(&pipelines.passes, encoder, 1, &[area]);
         })?;
         if rows.end == height {
             progress.sample_done(sample);
@@ -183,7 +203,7 @@ impl Backend for GpuBackend {
             if is_first {
                 progress.encode_seen(&pipelines.passes, encoder, 0);
             }
-            progress.encode_parts(encoder, stride, &areas);
+            progress.encode_parts(&pipelines.passes, encoder, stride, &areas);
         })?;
         let Some(picture) = &mut progress.picture else { return Ok(()) };
         picture.lattices.add(stride, tiles, all.count());
@@ -252,8 +272,11 @@ impl Backend for GpuBackend {
         for (part, sums) in self.progress.sums() {
             let work: Vec<[u32; 4]> = texels(self.pipelines.gpu(), &sums.work)?;
             let sum = |of: fn(&[u32; 4]) -> u32| work.iter().map(|work| u64::from(of(work))).sum::<u64>();
-            nodes += sum(|work| work[0]);
-            evaluations += sum(|work| work[1]);
+            // What mirrors show has widths of lobes there.
+            if part != LightPart::Mirrors {
+                nodes += sum(|work| work[0]);
+                evaluations += sum(|work| work[1]);
+            }
             shaded[part as usize] = sum(|work| work[3] >> 16);
             if part == LightPart::Environment {
                 points = sum(|work| work[2] >> 16);
@@ -272,8 +295,15 @@ impl Backend for GpuBackend {
 impl GpuBackend {
     /// Uniforms of a sample, for every `stride`th pixel of every `stride`th row.
     fn write_frame(&self, sample: u32, stride: u32) {
-        let uniforms = self.shown.frame(self.progress.picture(), sample, stride);
-        let Pipelines { device, uniforms: buffers, .. } = &self.pipelines;
-        device.gpu.queue.write_buffer(&buffers.frame, 0, bytemuck::bytes_of(&uniforms));
+        let picture = self.progress.picture();
+        let frame = self.shown.frame(picture, sample, stride);
+        let Pipelines { device, uniforms, .. } = &self.pipelines;
+        let write = |buffer, frame| device.gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&frame));
+        write(&uniforms.frame, frame);
+        for (mirrors, of_parts) in (1..).zip(&uniforms.mirrored).filter(|_| picture.has_mirrors()) {
+            for (others, buffer) in (0..).zip(of_parts) {
+                write(buffer, in_mirrors(frame, mirrors, others));
+            }
+        }
     }
 }

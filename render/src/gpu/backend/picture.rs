@@ -7,6 +7,7 @@ use crate::{
     gpu::passes::PartPass,
     post::Post,
     sampling::BrdfSampling,
+    shade::mirrors::DEEPEST,
     view::{Background, View},
 };
 use glam::{Vec2, Vec3};
@@ -21,6 +22,8 @@ pub struct Picture {
     pub groups: Groups,
     /// The passes that add samples.
     pub passes: Vec<PartPass>,
+    /// Those that give the light of what one mirror shows, and of what a mirror in it shows; none without mirrors.
+    pub mirrored: [Vec<PartPass>; DEEPEST as usize],
     pub lattices: Lattices,
     /// Reflectance of a ground that catches shadows for a radiance of 1 behind it, if there is one.
     pub catches: Option<Vec3>,
@@ -32,6 +35,11 @@ impl Picture {
     /// Where a sample is in its pixel.
     pub fn offset(&self, sample: u32) -> Vec2 {
         self.offsets[sample as usize % self.offsets.len()]
+    }
+
+    /// Whether mirrors show the scene.
+    pub fn has_mirrors(&self) -> bool {
+        self.groups.mirrored.is_some()
     }
 
     /// Whether the ground tells the share of the light that it lets through, for an alpha channel.
@@ -48,6 +56,7 @@ impl Picture {
             view_mode: self.view.mode as u32,
             transparent: u32::from(self.view.background == Background::Transparent),
             lets_light_through: u32::from(self.lets_light_through()),
+            samples: self.view.aa.max(1),
         }
     }
 }
@@ -88,9 +97,10 @@ impl GpuBackend {
         let Self { pipelines, shown, progress } = self;
         progress.make_room(pipelines.gpu(), view.size);
         let catches = shown.upload(pipelines, view)?;
-        progress.set_parts(pipelines.gpu(), shown.parts(view.mode));
+        let mirrors = shown.prepare_mirrors(pipelines, view, sampling);
+        progress.set_parts(pipelines.gpu(), shown.parts(view.mode, mirrors));
         let groups = Groups::new(pipelines.gpu(), &pipelines.uniforms, shown, progress);
-        let passes = shown.passes(pipelines, (view, sampling), &groups)?;
+        let (passes, mirrored) = shown.passes(pipelines, (view, sampling), &groups)?;
         // As on the CPU and in the legend, whether the environment is shown or not.
         let illum_cut = shown.environment.light.as_ref().map_or(0, |(light, _)| light.tree.max_nodes);
         Ok(Picture {
@@ -100,6 +110,7 @@ impl GpuBackend {
             corners: 3 * shown.loaded().scene.triangles_shown(view),
             groups,
             passes,
+            mirrored,
             lattices: Lattices::default(),
             catches,
             seen: 0,

@@ -6,7 +6,10 @@ use crate::{
     gpu::passes::Passes,
     measure::compare::map::magma_stops,
     remedy::Remedy,
+    shade::mirrors::DEEPEST,
+    stale::LightPart,
 };
+use std::array::from_fn;
 use wgpu::util::DeviceExt;
 
 /// A device, with the passes that are compiled on it and the buffers of their uniforms.
@@ -19,9 +22,14 @@ pub struct Pipelines {
     pub uniforms: Uniforms,
 }
 
+/// Uniforms of what some mirrors show, by the part of its light.
+pub type MirroredFrames<T> = [[T; LightPart::COUNT]; DEEPEST as usize];
+
 /// Uniforms of the passes of a picture.
 pub struct Uniforms {
     pub frame: wgpu::Buffer,
+    /// For the points that mirrors show.
+    pub mirrored: MirroredFrames<wgpu::Buffer>,
     pub display: wgpu::Buffer,
     pub magma: wgpu::Buffer,
 }
@@ -89,8 +97,10 @@ impl Uniforms {
             contents: bytemuck::cast_slice(&magma_stops().map(|c| c.extend(1.0).to_array())),
             usage: wgpu::BufferUsages::UNIFORM,
         });
+        let frame = |label| uniform(label, size_of::<layout::FrameUniforms>());
         Self {
-            frame: uniform("frame", size_of::<layout::FrameUniforms>()),
+            frame: frame("frame"),
+            mirrored: from_fn(|_| from_fn(|_| frame("mirrored frame"))),
             display: uniform("display", size_of::<layout::Display>()),
             magma,
         }

@@ -1,13 +1,16 @@
 //! What pictures show: a scene, and what lights it.
 
-use super::{bounce::GpuBounce, groups::Groups, picture::Picture, pipelines::Pipelines};
+use super::{bounce::GpuBounce, groups::Groups, mirrors::PictureRays, picture::Picture, pipelines::Pipelines};
 use crate::{
     appearance::Assigned,
+    baked::Baked,
     device::{
         GpuDevice,
         layout::{
             FrameUniforms,
-            constants::{FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES},
+            constants::{
+                FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES, MIRRORS_HAVE_RAYS, MIRRORS_READ_MAP, NO_MIRRORS,
+            },
         },
     },
     error::BackendError,
@@ -23,14 +26,18 @@ use crate::{
     },
     light::local::LocalLighting,
     sampling::BrdfSampling,
-    shade::{background::caught_per_radiance, mirror::Mirror},
-    stale::LightPart,
+    shade::{
+        background::caught_per_radiance,
+        mirror::{Mirror, rays::brightest_by_rays},
+        mirrors::DEEPEST,
+    },
+    stale::{LightPart, Marks},
     summed::{DirectStep, SummedLights},
     view::{Background, View},
     view_mode::ViewMode,
 };
 use glam::Vec3;
-use lapidary_core::{dataset::Dataset, environment::Environment, image::Image, opacity::Opacities};
+use lapidary_core::{environment::Environment, image::Image, opacity::Opacities};
 use std::sync::Arc;
 
 /// A scene and its light, as far as they are set and uploaded.
@@ -52,7 +59,13 @@ pub struct Loaded {
     pub materials: GpuMaterials,
     /// The materials of its triangles.
     pub assigned: Assigned,
-    pub dataset: Arc<Dataset>,
+    /// Materials that mirror, see [`crate::shade::mirror::rays::marks`].
+    pub mirrors: Marks,
+    /// What the rays of mirrors meet, since mirrors show it.
+    pub rays: Option<PictureRays>,
+    /// Whether these were uploaded, or had no room.
+    pub has_tried_rays: bool,
+    pub baked: Baked,
 }
 
 /// Light of the environment, and its map as it is seen.
@@ -63,6 +76,20 @@ pub struct ShownEnvironment {
     /// Stands in where none is shown; made for the scene.
     dark: Option<(GpuLight, Arc<Environment>)>,
     map: Option<GpuMap>,
+}
+
+impl Loaded {
+    /// Uploads what the rays of mirrors meet, if there are mirrors and it was not tried yet.
+    ///
+    /// # Errors
+    /// A scene that the adapter has no room for.
+    pub fn upload_rays(&mut self, gpu: &GpuDevice) -> Result<(), BackendError> {
+        if !self.has_tried_rays && self.mirrors != Marks::default() {
+            self.has_tried_rays = true;
+            self.rays = Some(PictureRays::new(gpu, &self.baked)?);
+        }
+        Ok(())
+    }
 }
 
 impl Shown {
@@ -141,8 +168,22 @@ impl Shown {
         Ok(catches)
     }
 
-    /// The parts of the light. Counts of merged nodes have one for each tree.
-    pub fn parts(&self, mode: ViewMode) -> [bool; LightPart::COUNT] {
+    /// Gets ready what mirrors show in a view. Returns whether they show the scene: not if the adapter has no room for it.
+    pub fn prepare_mirrors(&mut self, pipelines: &Pipelines, view: &View, sampling: BrdfSampling) -> bool {
+        let gpu = pipelines.gpu();
+        let Some(loaded) = &mut self.scene else { return false };
+        let wanted = view.mirrors && view.mode == ViewMode::Shaded && sampling != BrdfSampling::Once;
+        if !wanted || loaded.mirrors == Marks::default() {
+            return false;
+        }
+        // Edits tell why there is no room.
+        let _ = loaded.upload_rays(gpu);
+        loaded.rays.iter().for_each(|rays| rays.set_view(gpu, view));
+        loaded.rays.is_some()
+    }
+
+    /// The parts of the light, with that of mirrors if they show the scene. Counts of merged nodes have one for each tree.
+    pub fn parts(&self, mode: ViewMode, mirrors: bool) -> [bool; LightPart::COUNT] {
         let (shaded, bounce) = (mode == ViewMode::Shaded, &self.bounce);
         let lights = |part| shaded && self.local_lights.has(part);
         LightPart::ALL.map(|part| match part {
@@ -152,18 +193,19 @@ impl Shown {
                 let is_shaded_alone = bounce.light.is_of_vertices || bounce.light.patches.is_some();
                 bounce.sources.is_some() || shows_basis || shaded && is_shaded_alone
             }
+            LightPart::Mirrors => mirrors,
             LightPart::Direct | LightPart::Added => lights(part),
         })
     }
 
-    /// The passes that add samples to the parts of the light. The first part is never missing, because it also has what has no
-    /// light.
+    /// The passes that add samples to the parts of the light, and those for the light of what mirrors show, see
+    /// [`Picture::mirrored`]. The first part is never missing, because it also has what has no light.
     pub fn passes(
         &mut self,
         Pipelines { device, passes, .. }: &mut Pipelines,
         (view, sampling): (&View, BrdfSampling),
         groups: &Groups,
-    ) -> Result<Vec<PartPass>, BackendError> {
+    ) -> Result<(Vec<PartPass>, [Vec<PartPass>; DEEPEST as usize]), BackendError> {
         let (gpu, shaded) = (&*device.gpu, view.mode == ViewMode::Shaded);
         let mut all = Vec::new();
         if shaded && let Some(Loaded { scene, .. }) = &self.scene {
@@ -171,11 +213,19 @@ impl Shown {
         }
         let bounced = self.bounce.evaluated(gpu, passes, view)?;
         all.extend(bounced.map(|(pass, light)| PartPass { part: LightPart::Bounce, pass, light }));
+        let (mut as_baked, has_mirrors) = (all.clone(), groups.mirrored.is_some());
         for (part, field, light) in self.merged(gpu) {
-            let pass = passes.merge(gpu, self.merge_variant(field, part == LightPart::Environment, sampling));
-            all.push(PartPass { part, pass, light });
+            let is_first = part == LightPart::Environment;
+            let mut merge = |mirrors| {
+                let pass = passes.merge(gpu, self.merge_variant(field, is_first, sampling, mirrors));
+                PartPass { part, pass, light: light.clone() }
+            };
+            all.push(merge(has_mirrors));
+            if has_mirrors {
+                as_baked.push(merge(false));
+            }
         }
-        Ok(all)
+        Ok(if has_mirrors { (all.clone(), [all, as_baked]) } else { (all, Default::default()) })
     }
 
     /// The trees of lights that are merged, by the part of the light.
@@ -189,15 +239,21 @@ impl Shown {
         [environment].into_iter().chain(sources).collect()
     }
 
-    fn merge_variant(&self, field: u32, is_first: bool, sampling: BrdfSampling) -> MergeVariant {
+    fn merge_variant(&self, field: u32, is_first: bool, sampling: BrdfSampling, has_rays: bool) -> MergeVariant {
         let (refine, Loaded { scene, materials, .. }) = (sampling != BrdfSampling::Once, self.loaded());
         let may_mirror = Mirror::may_be(materials.narrowest, scene.leaf_solid_angle);
         MergeVariant {
             field,
             is_first,
             refine,
-            mirrors: refine && field == FIELD_ENVIRONMENT && may_mirror,
+            mirrors: match has_rays {
+                true => MIRRORS_HAVE_RAYS,
+                false if refine && field == FIELD_ENVIRONMENT && may_mirror => MIRRORS_READ_MAP,
+                false => NO_MIRRORS,
+            },
             lit: sampling == BrdfSampling::Lit,
+            by_direction: field == FIELD_SOURCES
+                && self.bounce.sources.as_ref().is_some_and(|s| s.tree.sends_by_direction),
         }
     }
 
@@ -208,6 +264,8 @@ impl Shown {
             behind: self.environment.light.as_ref().map(|(light, _)| light),
             emission: self.local.components.direct,
             catches: picture.catches,
+            mirrors: picture.has_mirrors(),
+            brightest: brightest_by_rays(self.bounce.light.sources.as_deref()),
         };
         frame(&picture.view, sample, picture.offset(sample), &self.loaded().scene, lit, stride)
     }
@@ -236,6 +294,7 @@ fn bound(gpu: &GpuDevice, tree: &GpuTreeLight, cuts: &GpuCuts) -> wgpu::BindGrou
         illumination_cut: &tree.cut,
         lit_nodes: &tree.lit.nodes,
         lit_offsets: &tree.lit.offsets,
+        sent: &tree.sent,
     };
     light.bind(gpu)
 }

@@ -36,7 +36,7 @@ impl GpuBackend {
         gpu.wait()?;
         let visibility = timed(pipelines, |encoder| progress.encode_visibility(passes, encoder))?;
         let deferred = timed(pipelines, |encoder| progress.encode_deferred(passes, encoder))?;
-        let merge = timed(pipelines, |encoder| progress.encode_parts(encoder, 1, &[whole]))?;
+        let merge = timed(pipelines, |encoder| progress.encode_parts(&pipelines.passes, encoder, 1, &[whole]))?;
         progress.sample_done(sample);
         let display = timed(pipelines, |encoder| progress.encode_display(passes, encoder))?;
         Ok(PassTimes { visibility, deferred, merge, display })

@@ -36,7 +36,7 @@ pub(super) fn light() -> Illumination {
 
 fn view(mode: ViewMode) -> View {
     let camera = Camera::look_at(Vec3::new(1.8, 1.2, 0.6), Vec3::new(-1.0, 0.1, 0.0), 50.0);
-    View { background: Background::Flat(Vec3::new(0.1, 0.2, 0.3)), mode, ..View::new(camera, [64, 48]) }
+    View { background: Background::Flat(Vec3::new(0.1, 0.2, 0.3)), mode, mirrors: false, ..View::new(camera, [64, 48]) }
 }
 
 impl Rig {

@@ -3,7 +3,7 @@
 use super::twin::backend;
 use crate::{
     Backend, Background, Components, CpuBackend, Illumination, LitScene, Look, PathSettings, Quiet, View, ViewMode,
-    test_scenes::{dataset, illumination, light, mesh, rel_rmse, white},
+    test_scenes::{dataset, illumination, light, mesh, mirror, rel_rmse, white},
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -128,6 +128,73 @@ fn with_an_alpha_channel_a_ground_darkens_what_a_picture_is_laid_over() {
             let shadow = coverage.iter().filter(|coverage| (0.2..0.95).contains(*coverage)).count();
             assert!(shadow > 10, "{shadow} pixels with a shadow");
         }
+    }
+}
+
+/// The ground polished, so that it reflects the blocker over what it catches; without lamps.
+fn polished(background: Background) -> Look {
+    let mut look = Look { lights: [].into(), ..look(Ground::Shadow, background) };
+    look.appearance.materials[1] = mirror(0.0025);
+    look.appearance.materials[1].parameters.set("base_color", Vec3::splat(0.4));
+    look
+}
+
+#[test]
+fn a_polished_ground_reflects_over_what_it_catches() {
+    let environment = Background::Environment;
+    let plain = pictures(&Look { lights: [].into(), ..look(Ground::Shadow, environment) });
+    let shown = pictures(&polished(environment));
+    for ((shown, _), (plain, _)) in shown.iter().zip(&plain) {
+        let differs = |(a, b): &(&Vec3, &Vec3)| (**a - **b).abs().max_element() > 0.02;
+        let changed = shown.pixels.iter().zip(&plain.pixels).filter(differs).count();
+        assert!((20..600).contains(&changed), "{changed} pixels show the plate, and no others differ");
+    }
+    for ((gpu, _), (cpu, _)) in shown.iter().skip(1).zip(&shown) {
+        // The GPU takes the mean of the samples so far for the light that a reflection hides.
+        let found = rel_rmse(gpu, cpu);
+        assert!(found < 0.03, "{found}");
+        let control = rel_rmse(&plain[0].0, cpu);
+        assert!(control > 0.045, "negative control: no reflection, {control}");
+    }
+}
+
+/// Of a matte blocker, and of a mirror.
+#[test]
+fn light_paths_show_what_a_polished_ground_reflects() {
+    for blocker in [None, Some(mirror(0.0025))] {
+        let mut look = polished(Background::Environment);
+        look.view.aa = 16;
+        look.appearance.materials[0] = blocker.unwrap_or_else(|| look.appearance.materials[0].clone());
+        let settings = PathSettings { components: look.components, ..PathSettings::direct(1024) };
+        let renderer = look.renderer(&scene().into());
+        let paths = renderer.path_reference(&look.view, &look.illumination, &[], settings, &Quiet);
+        let shown = pictures(&look);
+        let mut plain = look.clone();
+        plain.view.mirrors = false;
+        let (plain, _) = &pictures(&plain)[0];
+        let changes = zipped(&shown[0].0, plain, |shown, plain| {
+            Vec3::splat(f32::from(u8::from((shown - plain).abs().max_element() > 0.015)))
+        });
+        let there = |image: &Image| zipped(image, &changes, |pixel, changes| pixel * changes);
+        let control = rel_rmse(&there(plain), &there(&paths));
+        for (shown, _) in &shown {
+            let found = rel_rmse(&there(shown), &there(&paths));
+            assert!(2.0 * found < control && control > 0.02, "{found}; negative control, no reflection: {control}");
+        }
+    }
+}
+
+#[test]
+fn reflections_of_a_ground_are_in_the_alpha() {
+    let plate = 0.3;
+    let expected = pictures(&polished(Background::Flat(Vec3::splat(plate))));
+    for ((image, coverage), (expected, _)) in pictures(&polished(Background::Transparent)).iter().zip(&expected) {
+        let pixels = image.pixels.iter().zip(coverage).map(|(c, alpha)| *c + (1.0 - alpha) * plate).collect();
+        let laid = Image { size: image.size, pixels };
+        let difference = largest_difference(&laid, expected, &vec![true; coverage.len()]);
+        assert!(difference < 4e-3, "{difference}");
+        let without = largest_difference(image, expected, &vec![true; coverage.len()]);
+        assert!(without > 0.1, "negative control: not laid over anything, {without}");
     }
 }
 

@@ -19,6 +19,7 @@ use crate::{
 };
 use glam::{Mat3A, Vec3, Vec3A};
 use lapidary_core::{
+    brdf::GgxParameters,
     camera::Camera,
     dataset::Dataset,
     image::Image,
@@ -74,7 +75,11 @@ fn meshless_light(dataset: &Arc<Dataset>) -> Arc<MeshlessLight> {
 }
 
 fn picture(gpu: &mut dyn Backend, view: &View) -> Image {
-    gpu.begin(view, BrdfSampling::Refine).unwrap();
+    picture_by(gpu, view, BrdfSampling::Refine)
+}
+
+fn picture_by(gpu: &mut dyn Backend, view: &View, sampling: BrdfSampling) -> Image {
+    gpu.begin(view, sampling).unwrap();
     gpu.render_rows(0, 0..view.size[1]).unwrap();
     gpu.read(1).unwrap().0
 }
@@ -318,7 +323,7 @@ fn lamp(x: f32) -> Arc<[Light]> {
 
 fn wall_view() -> View {
     let camera = Camera::look_at(Vec3::new(1.8, 1.2, 0.6), Vec3::new(-1.0, 0.1, 0.0), 50.0);
-    View { background: Background::Flat(Vec3::ZERO), ..View::new(camera, [64, 48]) }
+    View { background: Background::Flat(Vec3::ZERO), mirrors: false, ..View::new(camera, [64, 48]) }
 }
 
 #[test]
@@ -379,6 +384,63 @@ fn further_bounces_on_the_sources_agree_and_are_told_from_one() {
     let [gpu, cpu] = both(Solution::CutsMeshless);
     assert!(agrees(&gpu, &cpu), "{:?}", difference(&gpu, &cpu));
     assert!(difference(&gpu, &one).0 > 0.01, "negative control: {:?}", difference(&gpu, &one));
+}
+
+#[test]
+fn sources_that_send_by_direction_agree_and_are_told_from_diffuse_ones() {
+    let Some((_one, mut gpu)) = backend() else { return };
+    let mut dataset = linked_floor_and_wall();
+    let metal = GgxParameters { base_color: Vec3::new(0.9, 0.6, 0.3), roughness: 0.4, metalness: 1.0, ..white() };
+    (dataset.scene.materials[1].model, dataset.scene.materials[1].parameters) = (BrdfModel::Ggx, metal.into());
+    let renderer = Renderer::new(dataset);
+    let baked = renderer.dataset().clone().into();
+    gpu.set_scene(&baked).unwrap();
+    let mut rig = Edited::new(&baked, LocalRig::new(&baked));
+    rig.set_lights(&lamp(-1.0));
+    let mut both = |solution, mode, sampling| {
+        let view = View { mode, ..wall_view() };
+        let local = rig.lighting(BOUNCE, solution, 64);
+        assert!(gpu.set_local_lighting(&local).unwrap().is_empty());
+        let light = PictureLight { bounce: local.bounce.as_ref(), ..Default::default() };
+        let shown = picture_by(&mut gpu, &view, sampling);
+        [shown, on_the_cpu(&gpu, &renderer, &view, light, sampling)]
+    };
+    for sampling in [BrdfSampling::Refine, BrdfSampling::Lit, BrdfSampling::Once] {
+        let [on_gpu, on_cpu] = both(Solution::CutsGloss, ViewMode::Shaded, sampling);
+        assert!(agrees(&on_gpu, &on_cpu), "{sampling:?}: {:?}", difference(&on_gpu, &on_cpu));
+        let [diffuse, _] = both(Solution::CutsMeshless, ViewMode::Shaded, sampling);
+        assert!(difference(&on_gpu, &diffuse).0 > 0.05, "negative control: {:?}", difference(&on_gpu, &diffuse));
+    }
+    let [on_gpu, on_cpu] = both(Solution::CutsGloss, ViewMode::Gloss, BrdfSampling::Refine);
+    assert!(agrees(&on_gpu, &on_cpu), "{:?}", difference(&on_gpu, &on_cpu));
+    assert!(on_cpu.pixels.iter().any(|p| p.x > 0.0) && on_cpu.pixels.iter().any(|p| p.z > 0.0), "it adds and takes");
+}
+
+#[test]
+fn glossy_receivers_of_the_basis_agree_and_are_told_from_diffuse_ones() {
+    let Some((_one, mut gpu)) = backend() else { return };
+    let mut dataset = linked_floor_and_wall();
+    let metal = GgxParameters { base_color: Vec3::new(0.9, 0.6, 0.3), roughness: 0.5, metalness: 1.0, ..white() };
+    (dataset.scene.materials[0].model, dataset.scene.materials[0].parameters) = (BrdfModel::Ggx, metal.into());
+    let renderer = Renderer::new(dataset);
+    let baked = renderer.dataset().clone().into();
+    gpu.set_scene(&baked).unwrap();
+    let mut rig = Edited::new(&baked, LocalRig::new(&baked));
+    rig.set_lights(&lamp(-1.0));
+    let Some(BounceLight::Functions(glossy)) = rig.lighting(BOUNCE, Solution::Meshless, 64).bounce else { panic!() };
+    let diffuse = MeshlessLight::new(renderer.dataset(), glossy.coefficients().to_vec()).unwrap();
+    let both = |light: Arc<MeshlessLight>, gpu: &mut GpuBackend| {
+        let bounce = Some(BounceLight::Functions(light));
+        let local = LocalLighting { bounce: bounce.clone(), components: BOUNCE, ..Default::default() };
+        assert!(gpu.set_local_lighting(&local).unwrap().is_empty());
+        let shown = picture(gpu, &wall_view());
+        let light = PictureLight { bounce: bounce.as_ref(), ..Default::default() };
+        [shown, on_the_cpu(gpu, &renderer, &wall_view(), light, BrdfSampling::Refine)]
+    };
+    let [on_gpu, on_cpu] = both(glossy, &mut gpu);
+    assert!(agrees(&on_gpu, &on_cpu), "{:?}", difference(&on_gpu, &on_cpu));
+    let [diffuse, _] = both(diffuse.into(), &mut gpu);
+    assert!(difference(&on_gpu, &diffuse).0 > 0.1, "negative control: {:?}", difference(&on_gpu, &diffuse));
 }
 
 #[test]

@@ -127,7 +127,12 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 share_weights,
                 mirrored_height,
                 shows_emission,
-                sample_distance
+                sample_distance,
+                seen,
+                brightest,
+                picture_sample,
+                of_lobe,
+                picture_stride
             ),
         ),
         (
@@ -221,14 +226,27 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("BasisLevel", shape!(layout::BasisLevel, cells_per_metre, radius, end, padding)),
         (
             "BasisUniforms",
-            shape!(layout::BasisUniforms, levels, level_count, last_slot, shown_level, shown_function, of_objects),
+            shape!(
+                layout::BasisUniforms,
+                levels,
+                level_count,
+                last_slot,
+                shown_level,
+                shown_function,
+                of_objects,
+                directional_levels
+            ),
         ),
         ("Cell", shape!(lapidary_core::meshless::Cell, place, level, first, count, padding)),
         ("BasisFunction", shape!(layout::BasisFunction, position, normal)),
         ("LitQuad", shape!(layout::LitQuad, corner, first, square_u, side, square_v, cells, frame)),
         ("Coefficient", shape!(layout::Coefficient, vector)),
         ("StaleMarks", shape!(layout::StaleMarks, materials, patches)),
-        ("Display", shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent, lets_light_through)),
+        (
+            "Display",
+            shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent, lets_light_through, samples),
+        ),
+        ("MirroredScene", shape!(layout::MirroredScene, ground, shows_ground, largest_offset, padding)),
     ]
 }
 
@@ -332,11 +350,17 @@ fn constant(modules: &[(&str, Module)], name: &str) -> Vec<f64> {
 #[test]
 fn shared_constants_have_the_same_values() {
     let modules = modules();
-    let mut expected: Vec<(String, f64)> = [&crate::shade::refine::CONSTANTS[..], &crate::shade::mirror::CONSTANTS]
-        .concat()
-        .into_iter()
-        .map(|(n, x)| (n.into(), x.into()))
-        .collect();
+    let mut expected: Vec<(String, f64)> = [
+        &crate::shade::refine::CONSTANTS[..],
+        &crate::shade::mirror::CONSTANTS,
+        &crate::shade::mirror::rays::CONSTANTS,
+        &crate::shade::mirrors::cone::CONSTANTS,
+        &crate::cpu::picture::smoothed::CONSTANTS,
+    ]
+    .concat()
+    .into_iter()
+    .map(|(n, x)| (n.into(), x.into()))
+    .collect();
     for (name, value) in [
         ("BACKGROUND_MAP", constants::BACKGROUND_MAP),
         ("BACKGROUND_FLAT", constants::BACKGROUND_FLAT),
@@ -344,6 +368,11 @@ fn shared_constants_have_the_same_values() {
         ("FIELD_NONE", constants::FIELD_NONE),
         ("FIELD_ENVIRONMENT", constants::FIELD_ENVIRONMENT),
         ("FIELD_SOURCES", constants::FIELD_SOURCES),
+        ("NO_MIRRORS", constants::NO_MIRRORS),
+        ("MIRRORS_READ_MAP", constants::MIRRORS_READ_MAP),
+        ("MIRRORS_HAVE_RAYS", constants::MIRRORS_HAVE_RAYS),
+        ("SEEN_WITH_MIRRORS", constants::SEEN_WITH_MIRRORS),
+        ("SEEN_IN_MIRRORS", constants::SEEN_IN_MIRRORS),
         ("EMISSION_POINT", constants::EMISSION_POINT),
         ("EMISSION_SPOT", constants::EMISSION_SPOT),
         ("EMISSION_DIRECTIONAL", constants::EMISSION_DIRECTIONAL),
@@ -360,6 +389,9 @@ fn shared_constants_have_the_same_values() {
         ("POOL_WIDTH_LOG2", constants::POOL_WIDTH_LOG2),
         ("MOST_PARAMETERS", constants::MOST_PARAMETERS as u32),
         ("MOST_BASIS_LEVELS", constants::MOST_BASIS_LEVELS as u32),
+        ("CELL_SIDE", crate::light::bounce::meshless::gloss::CELLS.side as u32),
+        ("SENT_SIDE", crate::light::sent::KNOTS.side as u32),
+        ("SENT_COLUMNS", crate::gpu::light::SENT_COLUMNS as u32),
         ("CUT_WIDTH_LOG2", lapidary_core::cut::packed::TEXTURE_WIDTH.ilog2()),
     ] {
         expected.push((name.into(), value.into()));
@@ -405,6 +437,7 @@ fn shared_constants_have_the_same_values() {
         "BASIS_LEVEL",
         "BASIS_FUNCTION",
         "BASIS_COEFFICIENTS",
+        "GLOSS",
     ];
     expected.extend(modes.iter().enumerate().map(|(i, name)| (format!("VIEW_{name}"), i as f64)));
     expected.extend(
@@ -414,6 +447,7 @@ fn shared_constants_have_the_same_values() {
             ("MODE_VISIBILITY_CUT", 4.0),
             ("MODE_BRDF_EVALUATIONS", 6.0),
             ("MODE_BASIS_LEVEL", 7.0),
+            ("MODE_GLOSS", 10.0),
         ]
         .map(|(n, x)| (n.into(), x)),
     );

@@ -14,8 +14,19 @@ const EDITED_GROUPS: usize = LIGHT_GROUPS / 2;
 
 /// Some lights and their joint irradiance at each point, visibility included.
 pub(super) struct LightGroup {
-    lights: Vec<LightKey>,
+    lights: Vec<Light>,
     pub(super) irradiance: Vec<Vec3>,
+}
+
+impl LightGroup {
+    /// Its lights.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    fn keys(&self) -> Vec<LightKey> {
+        self.lights.iter().map(light_key).collect()
+    }
 }
 
 /// All lights that are switched on.
@@ -30,13 +41,13 @@ impl LightGroups {
         let on: Vec<&Light> = lights.iter().filter(|light| light.enabled).collect();
         let mut wanted = LightCounts::of(on.iter().copied());
         let (kept, broken): (Vec<_>, Vec<_>) =
-            std::mem::take(&mut self.groups).into_iter().partition(|group| wanted.take(&group.lights));
-        let known: HashSet<LightKey> = broken.into_iter().flat_map(|group| group.lights).collect();
+            std::mem::take(&mut self.groups).into_iter().partition(|group| wanted.take(&group.keys()));
+        let known: HashSet<LightKey> = broken.iter().flat_map(LightGroup::keys).collect();
         let left = on.into_iter().filter(|light| wanted.take(&[light_key(light)])).cloned();
         let (unchanged, edited): (Vec<Light>, Vec<Light>) = left.partition(|light| known.contains(&light_key(light)));
         let grouped = |lights: &[Light], count: usize| -> Vec<LightGroup> {
             let chunks = lights.chunks(lights.len().div_ceil(count).max(1));
-            chunks.map(|l| LightGroup { lights: l.iter().map(light_key).collect(), irradiance: cast(l) }).collect()
+            chunks.map(|l| LightGroup { lights: l.to_vec(), irradiance: cast(l) }).collect()
         };
         self.groups = kept;
         self.groups.extend(grouped(&unchanged, EDITED_GROUPS));

@@ -97,8 +97,17 @@ impl LitPoints {
 
     /// Irradiance in W/m².
     pub fn irradiance(&self) -> Vec<Vec3> {
+        self.sum(self.lights.groups.iter().map(|group| &group.irradiance).chain(&self.environment))
+    }
+
+    /// Irradiance from local lights and suns in W/m².
+    pub(super) fn of_lamps(&self) -> Vec<Vec3> {
+        self.sum(self.lights.groups.iter().map(|group| &group.irradiance))
+    }
+
+    fn sum<'a>(&self, parts: impl Iterator<Item = &'a Vec<Vec3>>) -> Vec<Vec3> {
         let mut sum = vec![Vec3::ZERO; self.points.len()];
-        for part in self.lights.groups.iter().map(|group| &group.irradiance).chain(&self.environment) {
+        for part in parts {
             sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         }
         sum

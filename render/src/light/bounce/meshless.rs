@@ -3,9 +3,11 @@
 
 pub(crate) mod compared;
 pub(crate) mod functions;
+pub(crate) mod gloss;
 
 use super::{irradiance::environment_irradiance_of, lit_points::LitPoints};
 use crate::{
+    appearance::narrowest_lobe,
     baked::Baked,
     light::{
         environment::SceneLighting,
@@ -14,6 +16,7 @@ use crate::{
 };
 use functions::MeshlessLight;
 use glam::{Mat3A, Vec3};
+use gloss::LookingFunctions;
 use lapidary_core::{
     dataset::Dataset,
     meshless::{Flattening, MeshlessBake, SenderSamples, Solution, SolveSettings, Solver, irradiance},
@@ -30,6 +33,7 @@ const AREA_SAMPLES: u32 = 2;
 
 /// Solves for the bounces of a dataset repeatedly and keeps results that an edit does not change.
 pub struct MeshlessRig {
+    baked: Baked,
     dataset: Arc<Dataset>,
     solver: Solver,
     samples: SenderSamples,
@@ -40,6 +44,11 @@ pub struct MeshlessRig {
     /// Weights of the surface sources, if the dataset has any; computed at the first use.
     at_sources: Option<Flattening>,
     solved: Option<Solution>,
+    /// Radiance that the senders send after all bounces.
+    sent: Vec<Vec3>,
+    /// Rays of functions for glossy receivers; traced at the first use.
+    looking: Option<LookingFunctions>,
+    has_lobes: bool,
 }
 
 impl MeshlessRig {
@@ -57,13 +66,21 @@ impl MeshlessRig {
         let samples = SenderSamples::new(&bake.basis, &solver).by_openness(&bake.basis, is_free);
         let lit = LitPoints::new(baked, samples.points().to_vec(), AREA_SAMPLES).in_spatial_order();
         let (at_sources, solved, environment) = (None, None, None);
-        Some(Self { dataset, solver, samples, lit, environment, at_sources, solved })
+        let (baked, sent, looking, has_lobes) = (baked.clone(), Vec::new(), None, false);
+        Some(Self { baked, dataset, solver, samples, lit, environment, at_sources, solved, sent, looking, has_lobes })
     }
 
     /// Light of all bounces, for any point.
     pub fn light(&mut self) -> MeshlessLight {
         let coefficients = self.solved().coefficients.clone();
-        MeshlessLight::new(&self.dataset, coefficients).expect("the dataset has a basis")
+        let light = MeshlessLight::new(&self.dataset, coefficients).expect("the dataset has a basis");
+        if !self.has_lobes {
+            return light;
+        }
+        let Self { baked, dataset, looking, sent, .. } = self;
+        let basis = &bake(dataset).basis;
+        let looking = looking.get_or_insert_with(|| LookingFunctions::new(baked, basis));
+        light.arriving_from(looking.arriving(basis, sent))
     }
 
     /// Irradiance of all bounces at the surface sources.
@@ -87,13 +104,16 @@ impl MeshlessRig {
     }
 
     fn solved(&mut self) -> &Solution {
-        let Self { dataset, solver, samples, lit, environment, solved, .. } = self;
+        let Self { dataset, solver, samples, lit, environment, solved, sent, .. } = self;
         solved.get_or_insert_with(|| {
             let (mut direct, albedo) = samples.fit(solver, &lit.irradiance(), lit.albedo());
             let environment = environment.iter().flatten();
             direct.iter_mut().zip(environment).for_each(|(sum, part)| *sum += part);
             let emitted = samples.means(lit.emission());
-            solver.solve_with_emission(bake(dataset), &direct, &albedo, &emitted, SolveSettings::default())
+            let solution =
+                solver.solve_with_emission(bake(dataset), &direct, &albedo, &emitted, SolveSettings::default());
+            *sent = solver.sent(&solution, &direct, &albedo, &emitted);
+            solution
         })
     }
 }
@@ -105,6 +125,9 @@ fn bake(dataset: &Dataset) -> &MeshlessBake {
 impl Relight for MeshlessRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
         self.lit.update(&situation.appearance, &situation.bouncing(), changes);
+        if changes.appearance {
+            self.has_lobes = situation.appearance.materials.iter().any(|material| narrowest_lobe(material).is_finite());
+        }
         if changes.environment {
             let senders = bake(&self.dataset).basis.sender_points();
             let shine = |lighting: &Arc<SceneLighting>| environment_irradiance_of(senders, &self.dataset, lighting);

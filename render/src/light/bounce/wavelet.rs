@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 use lapidary_core::{
     offset,
     simd::Vec3x8,
-    sphere::concentric::HemisphereCells,
+    sphere::{concentric::HemisphereCells, inv_kappa_of},
     wavelet::{
         WaveletTransport,
         direct::DirectProjection,
@@ -18,7 +18,7 @@ use lapidary_core::{
         picture::{PatchTexture, neighbors},
     },
 };
-use std::{f32::consts::PI, sync::Arc};
+use std::sync::Arc;
 use wide::f32x8;
 
 /// Halvings of a quad at most, where lamps light it.
@@ -27,8 +27,6 @@ const DIRECT_LEVELS: u32 = 5;
 const LEAST_COSINE: f32 = 1e-4;
 /// Least cells along an edge of the hemisphere over which a BRDF is evaluated. A quad of the bake may have fewer.
 const LEAST_SIDE: usize = 8;
-/// Solid angle of a lobe of directions, times its concentration: that of a disc with the same mean cosine.
-const OF_LOBE: f32 = 4.0 * PI;
 
 /// The quads of a scene, which of them continue each other, and on which each triangle lies.
 #[derive(Clone, Debug)]
@@ -73,7 +71,7 @@ impl PatchLight {
         let mut sum = Vec3::ZERO;
         for first in (0..looked_at.len()).step_by(8) {
             let directions: [Vec3; 8] = std::array::from_fn(|lane| looked_at.direction_of(first + lane));
-            let spread = directions.map(|wi| looked_at.weight() / (OF_LOBE * wi.z.max(LEAST_COSINE)));
+            let spread = directions.map(|wi| inv_kappa_of(looked_at.weight() / wi.z.max(LEAST_COSINE)));
             let reflected = point.reflect(Vec3x8::from_array(directions), f32x8::new(spread));
             for (lane, wi) in directions.iter().enumerate() {
                 let from = patch_from_local * *wi;
@@ -149,6 +147,7 @@ mod tests {
             square::Function,
         },
     };
+    use std::f32::consts::PI;
 
     /// Radiance of one from everywhere on a floor, as a material with a metal's roughness reflects it upward, and its albedo.
     fn reflected(side: usize, model: BrdfModel, roughness: f32) -> [f32; 2] {

@@ -19,15 +19,16 @@ pub struct CutsOverMeshless {
 
 /// Bounces beyond the direct light of the sources.
 #[derive(Default)]
-struct Further {
+pub(super) struct Further {
     /// Irradiance of each source in W/m².
-    irradiance: Vec<Vec3>,
+    pub irradiance: Vec<Vec3>,
     /// Energy, including the gathered bounce.
-    energy: Option<BounceEnergy>,
+    pub energy: Option<BounceEnergy>,
 }
 
 impl Further {
-    fn of(situation: &Situation, rigs: &mut Rigs) -> Option<Self> {
+    /// Of the present light.
+    pub fn of(situation: &Situation, rigs: &mut Rigs) -> Option<Self> {
         let tree = rigs.sources(situation)?.tree().clone();
         let basis = rigs.meshless(situation)?;
         let irradiance = basis.at_sources(tree.sources());

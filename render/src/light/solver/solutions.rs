@@ -1,8 +1,9 @@
 //! The list of all solutions. Add one as a file beside this one and a line here.
 
 use super::{
-    BounceSolver, cuts::CutsSolver, cuts_over_meshless::CutsOverMeshless, cuts_over_radiosity::CutsOverRadiosity,
-    meshless::MeshlessSolver, radiosity::RadiositySolver, wavelet::WaveletSolver,
+    BounceSolver, cuts::CutsSolver, cuts_over_gloss::CutsOverGloss, cuts_over_meshless::CutsOverMeshless,
+    cuts_over_radiosity::CutsOverRadiosity, meshless::MeshlessSolver, radiosity::RadiositySolver,
+    wavelet::WaveletSolver,
 };
 use lapidary_core::dataset::BakeParts;
 use serde::{Deserialize, Serialize};
@@ -86,6 +87,7 @@ solutions! {
     Cuts(CutsSolver) = "cuts",
     Meshless(MeshlessSolver) = "meshless",
     CutsMeshless(CutsOverMeshless) = "cuts+meshless",
+    CutsGloss(CutsOverGloss) = "cuts+gloss",
     Radiosity(RadiositySolver) = "radiosity",
     CutsRadiosity(CutsOverRadiosity) = "cuts+radiosity",
     Wavelet(WaveletSolver) = "wavelet",

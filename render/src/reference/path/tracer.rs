@@ -5,16 +5,19 @@ use super::{
     settings::PathSettings,
 };
 use crate::{
-    light::environment::Illumination,
+    light::{components::Components, environment::Illumination},
     renderer::Renderer,
     shade::{
         background::Sky,
         direct::arriving_share,
+        mirror::rays::RayLobes,
+        mirrors,
+        seen_scene::SeenScene,
         surface::{FirstHit, SurfacePoint, Surfaces},
     },
 };
 use glam::{Vec2, Vec3};
-use lapidary_core::lights::Light;
+use lapidary_core::{lights::Light, opacity::chance};
 
 /// From this bounce on, Russian roulette ends paths of low throughput and gives the others more weight (Arvo and Kirk 1990).
 const SAFE_BOUNCES: u32 = 3;
@@ -31,13 +34,23 @@ pub struct Tracer<'a> {
     lights: LightChoice<'a>,
     emitters: Emitters,
     settings: PathSettings,
+    /// The scene that mirrors show after the last bounce, if they do.
+    mirrored: Option<SeenScene<'a>>,
 }
 
-/// Kinds of direct light to gather at a vertex.
+/// Shares of the kinds of direct light to gather at a vertex: one that is not wanted is left out of what mirrors show, too.
 #[derive(Clone, Copy)]
 struct Gathered {
-    environment: bool,
-    lights: bool,
+    environment: f32,
+    lights: f32,
+}
+
+impl Gathered {
+    /// Of what is wanted, at a vertex of which mirrors alone show this share.
+    fn of(wanted: Components, mirrored: f32) -> Self {
+        let share = |is_wanted: bool| if is_wanted { 1.0 } else { 1.0 - mirrored };
+        Self { environment: share(wanted.environment), lights: share(wanted.direct) }
+    }
 }
 
 /// A reflection sampled from the BRDF.
@@ -50,7 +63,14 @@ struct Scattered {
 }
 
 impl<'a> Tracer<'a> {
-    pub fn new(renderer: &'a Renderer, light: &'a Illumination, lights: &'a [Light], settings: PathSettings) -> Self {
+    /// Paths of a picture whose mirrors show a scene, or none.
+    pub fn new(
+        renderer: &'a Renderer,
+        light: &'a Illumination,
+        lights: &'a [Light],
+        settings: PathSettings,
+        mirrored: Option<SeenScene<'a>>,
+    ) -> Self {
         let radius = 0.5 * renderer.dataset().scene.mesh.bounds().diagonal();
         Self {
             renderer,
@@ -60,42 +80,81 @@ impl<'a> Tracer<'a> {
             lights: LightChoice::new(lights, radius),
             emitters: Emitters::new(&renderer.dataset().scene.mesh, &renderer.appearance),
             settings,
+            mirrored,
         }
     }
 
-    /// One estimate of the radiance from a point toward the eye.
+    /// One estimate of the radiance from a point toward the eye. A ground that catches shadows reflects what stands on it, as in
+    /// [`mirrors::Mirrors::over_ground`].
     pub fn radiance(&self, seen: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
+        let own = self.reflected(seen, 0, rng);
+        let Some(ground) = seen.ground.as_deref() else { return own };
+        let scattered = self.scatter(ground, rng);
+        let shown = scattered.and_then(|scattered| {
+            let weight = scattered.weight * self.mirrored_share(ground, scattered.world, 0);
+            Some((weight, self.mirrored(ground, &scattered)?))
+        });
+        match shown {
+            Some((weight, shown)) => own * (1.0 - weight.min(Vec3::ONE)) + weight * self.reflected(&shown, 1, rng),
+            None => own,
+        }
+    }
+
+    /// The same without the ground, of a point within a number of mirrors.
+    fn reflected(&self, seen: &SurfacePoint, within: u32, rng: &mut fastrand::Rng) -> Vec3 {
         let wanted = self.settings.components;
-        let bounces = if wanted.indirect { self.settings.bounces } else { 0 };
-        let mut gathered = Gathered { environment: wanted.environment, lights: wanted.direct };
-        let emitted = if wanted.direct { seen.emission } else { Vec3::ZERO };
-        let (mut sum, mut throughput) = (emitted, Vec3::ONE);
+        let mut bounces = if wanted.indirect { self.settings.bounces } else { 0 };
+        let mirrors = if self.mirrored.is_some() { mirrors::DEEPEST - within } else { 0 };
+        let last = bounces + mirrors;
+        // Mirrors that may show a kind of light that is not wanted.
+        let left_out = if wanted.direct && wanted.environment { 0 } else { mirrors };
+        let mut mirrored = 1.0;
+        let mut gathered = Gathered::of(wanted, mirrored);
+        let (mut sum, mut throughput) = (seen.emission * gathered.lights, Vec3::ONE);
         let mut reflected: Box<SurfacePoint>;
         let mut point = seen;
-        for bounce in 0..=bounces {
+        for bounce in 0..=last {
             sum += throughput * self.by_light(point, gathered, rng);
+            let shown = |world: Vec3| {
+                if bounce < left_out { mirrored * self.mirrored_share(point, world, within + bounce) } else { 0.0 }
+            };
             if bounce < bounces {
-                sum += throughput * self.by_emitters(point, rng);
+                sum += throughput * self.by_emitters(point, rng, |world| Gathered::of(wanted, shown(world)).lights);
             }
             let Some(scattered) = self.scatter(point, rng) else { break };
             throughput *= scattered.weight;
-            if gathered.lights {
-                sum += throughput * self.rectangles(point, &scattered);
+            let next_mirrored = shown(scattered.world);
+            let next_gathered = Gathered::of(wanted, next_mirrored);
+            if gathered.lights > 0.0 {
+                sum += throughput * self.rectangles(point, &scattered) * gathered.lights;
             }
             if bounce == bounces {
-                if gathered.environment {
-                    sum += throughput * self.environment_behind(point, &scattered);
+                if gathered.environment > 0.0 {
+                    sum += throughput * self.environment_behind(point, &scattered) * gathered.environment;
                 }
-                break;
+                if bounce == last {
+                    break;
+                }
+                let share = self.mirrored_share(point, scattered.world, within + bounces + mirrors - last);
+                let next = self.mirrored(point, &scattered).filter(|_| share > 0.0);
+                let Some(next) = next else { break };
+                throughput *= share;
+                if wanted.indirect {
+                    (gathered, mirrored) = (next_gathered, next_mirrored);
+                }
+                sum += throughput * next.emission * gathered.lights;
+                (reflected, bounces) = (next, bounces + 1);
+                point = &reflected;
+                continue;
             }
             match self.surfaces.seen_along(point.ray_origin, scattered.world) {
                 FirstHit::Surface(next) if leaves_face(point, scattered.world) => {
-                    sum += throughput * self.emission_along(point, &scattered, &next);
+                    sum += throughput * self.emission_along(point, &scattered, &next) * next_gathered.lights;
                     reflected = next;
                 }
                 FirstHit::Background => {
-                    if gathered.environment {
-                        sum += throughput * self.environment_along(&scattered);
+                    if gathered.environment > 0.0 {
+                        sum += throughput * self.environment_along(&scattered) * gathered.environment;
                     }
                     break;
                 }
@@ -108,17 +167,34 @@ impl<'a> Tracer<'a> {
                 }
                 throughput /= chance;
             }
-            gathered = Gathered { environment: true, lights: true };
+            (gathered, mirrored) = (next_gathered, next_mirrored);
             point = &reflected;
         }
         sum
     }
 
+    /// Share of the light of surfaces along a reflection that a mirror shows which is within so many others.
+    fn mirrored_share(&self, point: &SurfacePoint, world: Vec3, mirrors: u32) -> f32 {
+        let lobes = if mirrors == 0 { RayLobes::at } else { RayLobes::of_map };
+        let lobes = lobes(point, self.renderer.dataset.tree.leaf_solid_angle());
+        lobes.map_or(0.0, |lobes| lobes.share_of(point.world_from_local.transpose() * world))
+    }
+
+    /// The surface that a mirror shows along a reflection.
+    fn mirrored(&self, point: &SurfacePoint, scattered: &Scattered) -> Option<Box<SurfacePoint>> {
+        let [x, y] = [scattered.world.x, scattered.world.y].map(f32::to_bits);
+        let by_chance = |triangle| chance(&[x, y, triangle]);
+        match self.mirrored?.mirrored((point.ray_origin, scattered.world), by_chance) {
+            FirstHit::Surface(next) if leaves_face(point, scattered.world) => Some(next),
+            _ => None,
+        }
+    }
+
     /// Direct light by samples of the environment and of lights.
     fn by_light(&self, point: &SurfacePoint, gathered: Gathered, rng: &mut fastrand::Rng) -> Vec3 {
-        let environment = if gathered.environment { self.by_environment(point, rng) } else { Vec3::ZERO };
-        let lights = if gathered.lights { self.by_local_lights(point, rng) } else { Vec3::ZERO };
-        environment + lights
+        let of = |share: f32, light: &mut dyn FnMut() -> Vec3| if share > 0.0 { light() * share } else { Vec3::ZERO };
+        let environment = of(gathered.environment, &mut || self.by_environment(point, rng));
+        environment + of(gathered.lights, &mut || self.by_local_lights(point, rng))
     }
 
     fn by_environment(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
@@ -147,8 +223,8 @@ impl<'a> Tracer<'a> {
         sum
     }
 
-    /// Light from emissive surfaces, by sampling them.
-    fn by_emitters(&self, point: &SurfacePoint, rng: &mut fastrand::Rng) -> Vec3 {
+    /// Light from emissive surfaces, by sampling them; `share` tells how much counts from a direction.
+    fn by_emitters(&self, point: &SurfacePoint, rng: &mut fastrand::Rng, share: impl Fn(Vec3) -> f32) -> Vec3 {
         if self.emitters.is_empty() {
             return Vec3::ZERO;
         }
@@ -161,6 +237,7 @@ impl<'a> Tracer<'a> {
             return Vec3::ZERO;
         }
         value
+            * share(sample.direction)
             * self.arriving_share(point, sample.direction, sample.distance)
             * (power_heuristic(sample.pdf, other) / sample.pdf)
     }

@@ -4,6 +4,7 @@ use crate::{
     light::{environment::SceneLighting, mirrored_map::MirroredMap},
     renderer::Renderer,
     shade::{
+        merge::SharpLight,
         mirror::Mirror,
         point_shader::PointShader,
         surface::{ReceiverX8, SurfacePoint},
@@ -48,8 +49,13 @@ impl LightSamples {
         }
     }
 
-    pub fn shader<'a>(&'a self, renderer: &'a Renderer) -> impl PointShader {
-        DistantShader { samples: self, renderer, visible: vec![0; self.directions.len()] }
+    pub fn shader<'a>(&'a self, renderer: &'a Renderer) -> DistantShader<'a> {
+        DistantShader { samples: self, renderer, visible: vec![0; self.directions.len()], sharp: SharpLight::Map }
+    }
+
+    /// The map of the samples, if they have one.
+    pub fn map(&self) -> Option<&MirroredMap> {
+        self.mirrored.as_ref()
     }
 }
 
@@ -63,19 +69,21 @@ pub(crate) fn trace_lights(renderer: &Renderer, lights: &DirectionSet, point: &S
 }
 
 /// Traces and sums samples; keeps its buffer between points.
-struct DistantShader<'a> {
+pub(crate) struct DistantShader<'a> {
     samples: &'a LightSamples,
     renderer: &'a Renderer,
     visible: Vec<u8>,
+    /// Where the light of sharp lobes comes from.
+    pub sharp: SharpLight,
 }
 
 impl PointShader for DistantShader<'_> {
     fn shade(&mut self, point: &SurfacePoint) -> Vec3 {
         trace_lights(self.renderer, &self.samples.directions, point, &mut self.visible);
-        let map = self.samples.mirrored.as_ref();
-        let mirror = |map| Some((Mirror::at(point, self.samples.solid_angle)?, map));
-        match map.and_then(mirror) {
-            Some((mirror, map)) => self.mirrored(point, &mirror, map),
+        let map = self.samples.map().filter(|_| self.sharp == SharpLight::Map);
+        let is_mirrored = self.sharp != SharpLight::Map || map.is_some();
+        match Mirror::at(point, self.samples.solid_angle).filter(|_| is_mirrored) {
+            Some(mirror) => self.mirrored(point, &mirror, map),
             None => self.sum(point),
         }
     }
@@ -100,8 +108,9 @@ impl DistantShader<'_> {
         sum.reduce_add() * samples.solid_angle
     }
 
-    /// The same sum if sharp lobes read the map, with the visibility of the samples around the mirror direction.
-    fn mirrored(&self, point: &SurfacePoint, mirror: &Mirror, map: &MirroredMap) -> Vec3 {
+    /// The same sum if sharp lobes read the map, with the visibility of the samples around the mirror direction; without a map, the
+    /// sum without these lobes' light.
+    fn mirrored(&self, point: &SurfacePoint, mirror: &Mirror, map: Option<&MirroredMap>) -> Vec3 {
         let samples = self.samples;
         let receiver = ReceiverX8::new(point);
         let [mut sum, mut seen, mut all] = [Vec3x8::splat(Vec3::ZERO); 3];
@@ -116,6 +125,9 @@ impl DistantShader<'_> {
             all = all + light * window;
         }
         let [sum, seen, all] = [sum, seen, all].map(|sum| sum.reduce_add() * samples.solid_angle);
-        mirror.sharpened(sum, seen, all, || mirror.unshadowed::<f32x8>(point, map))
+        match map {
+            Some(map) => mirror.sharpened(sum, seen, all, || mirror.unshadowed::<f32x8>(point, map)),
+            None => mirror.without_window(sum, seen),
+        }
     }
 }

@@ -4,6 +4,8 @@ use crate::{
     light::bounce::SourceLighting,
     renderer::Renderer,
     shade::{
+        merge::SharpLight,
+        mirror::rays::RayLobes,
         node_field::{NodeField, SourceField},
         point_shader::PointShader,
         surface::{ReceiverX8, SurfacePoint},
@@ -35,7 +37,7 @@ impl<'a> SourceSamples<'a> {
         Self { lighting, ends, near }
     }
 
-    pub fn shader(&'a self, renderer: &'a Renderer) -> impl PointShader {
+    pub fn shader(&'a self, renderer: &'a Renderer) -> SourceShader<'a> {
         SourceShader {
             samples: self,
             field: SourceField::new(self.lighting),
@@ -43,18 +45,21 @@ impl<'a> SourceSamples<'a> {
             batch: SegmentBatch::default(),
             solid_angles: vec![0.0; self.ends.len()],
             wanted: Vec::new(),
+            sharp: SharpLight::Map,
         }
     }
 }
 
 /// Traces and sums sources; keeps its buffers between points.
-struct SourceShader<'a> {
+pub(crate) struct SourceShader<'a> {
     samples: &'a SourceSamples<'a>,
     field: SourceField<'a>,
     renderer: &'a Renderer,
     batch: SegmentBatch,
     solid_angles: Vec<f32>,
     wanted: Vec<u32>,
+    /// Where the light of sharp lobes comes from.
+    pub sharp: SharpLight,
 }
 
 impl SourceShader<'_> {
@@ -126,7 +131,9 @@ impl PointShader for SourceShader<'_> {
         self.trace(point);
         let receiver = ReceiverX8::new(point);
         let leaves = self.samples.lighting.lights.len();
-        let mut sum = Vec3x8::splat(Vec3::ZERO);
+        let (rays, brightest) = (self.sharp.lobes(point), self.sharp.brightest());
+        let narrowing = rays.as_ref().and_then(RayLobes::narrowing);
+        let [mut sum, mut seen] = [Vec3x8::splat(Vec3::ZERO); 2];
         for group in self.wanted.chunks(8) {
             // Padding repeats the first source with zero solid angle.
             let member = |k: usize| group.get(k).map_or(group[0], |&i| i) as usize;
@@ -134,10 +141,15 @@ impl PointShader for SourceShader<'_> {
             let direction = self.field.directions(nodes, point.position);
             let wi = receiver.local(direction);
             let weight = from_fn(|k| if k < group.len() { self.solid_angles[member(k)] } else { 0.0 });
-            let radiance = Vec3x8::from_array(nodes.map(|n| self.field.radiance(n)));
+            let radiance = Vec3x8::from_array(from_fn(|k| self.field.radiance(nodes[k], direction.lane(k))));
             let inv_kappa = self.field.leaf_inv_kappas(nodes, point.position);
-            sum = sum + point.reflect(wi, inv_kappa).scale(radiance) * f32x8::new(weight);
+            let inv_kappa = narrowing.map_or(inv_kappa, |mirror| mirror.spread(wi, inv_kappa));
+            let reflected = point.reflect(wi, inv_kappa).scale(radiance) * f32x8::new(weight);
+            sum = sum + reflected;
+            if let Some(rays) = &rays {
+                seen = seen + reflected * rays.share_below(wi, radiance, brightest);
+            }
         }
-        sum.reduce_add()
+        (sum.reduce_add() - seen.reduce_add()).max(Vec3::ZERO)
     }
 }

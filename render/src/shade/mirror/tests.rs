@@ -105,29 +105,33 @@ fn no_energy_is_lost_or_won_and_there_is_no_seam() {
     assert!(errors.as_flattened().iter().all(|error| error.abs() < 0.04), "{errors:?}");
 }
 
+fn among(leaf: f32) -> Widths<impl Fn(f32) -> f32> {
+    Widths::among_samples(sample_radius(leaf))
+}
+
 #[test]
 fn only_sharp_lobes_are_mirrors() {
     let wo = Vec3::new(0.6, 0.0, 0.8);
     let leaf = 4.0 * PI / 32_768.0;
     let of = |model: BrdfModel, parameters: Parameters| {
         let brdf = SurfaceBrdf::new(model, &Values::of(model.parameters(), &parameters), None);
-        Mirror::of(brdf.as_brdf().lobes(), [0.0; 3], wo, leaf)
+        Mirror::of(brdf.as_brdf().lobes(), [0.0; 3], wo, among(leaf))
     };
     assert_eq!(of(BrdfModel::Ggx, metal(0.01).into()).unwrap().share, 1.0);
     assert!(of(BrdfModel::Ggx, metal(0.2).into()).is_none() && of(BrdfModel::Lambert, Parameters::default()).is_none());
     let coated = OpenPbrParameters { coat_weight: 1.0, specular_roughness: 0.5, ..Default::default() };
     let coat = of(BrdfModel::OpenPbr, coated.into()).unwrap();
     assert_eq!((coat.count, coat.share), (2, 1.0), "the coat over a rough base, and the window");
-    let grooves = |xy| Mirror::of([[0.01; 2], NO_LOBE, NO_LOBE], [2e-4, xy, 2e-4], wo, leaf);
+    let grooves = |xy| Mirror::of([[0.01; 2], NO_LOBE, NO_LOBE], [2e-4, xy, 2e-4], wo, among(leaf));
     assert!(grooves(1e-4).is_none() && grooves(0.0).is_some(), "grooves that run along no axis");
-    assert!(Mirror::of([[0.01; 2]; 3], [0.0; 3], -wo, leaf).is_none(), "seen from below");
+    assert!(Mirror::of([[0.01; 2]; 3], [0.0; 3], -wo, among(leaf)).is_none(), "seen from below");
 }
 
 /// The window is 1 around the mirror direction, 0 where [`Mirror::overlaps`] is false, and falls in between.
 #[test]
 fn windows_lie_around_the_direction_of_the_mirror() {
     let wo = Vec3::new(0.6, 0.0, 0.8);
-    let mirror = Mirror::of([[0.01, 0.02], NO_LOBE, NO_LOBE], [0.0; 3], wo, 4.0 * PI / 32_768.0).unwrap();
+    let mirror = Mirror::of([[0.01, 0.02], NO_LOBE, NO_LOBE], [0.0; 3], wo, among(4.0 * PI / 32_768.0)).unwrap();
     let at = |direction: Vec3| mirror.window::<f32x8>(Vec3x8::splat(direction.normalize())).to_array()[0];
     let mirrored = Vec3::new(-wo.x, -wo.y, wo.z);
     assert_eq!(at(mirrored), 1.0);
@@ -146,11 +150,11 @@ fn windows_lie_around_the_direction_of_the_mirror() {
 fn samples_fill_the_window_and_follow_the_lobe() {
     let wo = Vec3::new(0.3, 0.2, 0.93).normalize();
     for lobe in [[0.02, 0.02], [0.005, 0.03]] {
-        let mirror = Mirror::of([lobe, NO_LOBE, NO_LOBE], [0.0; 3], wo, 4.0 * PI / 32_768.0).unwrap();
+        let mirror = Mirror::of([lobe, NO_LOBE, NO_LOBE], [0.0; 3], wo, among(4.0 * PI / 32_768.0)).unwrap();
         // The density integrates to one, for the lobe and for a uniform function in the window.
         let lobes = mirror.lobes.map(GgxLobe::new);
         let lobes = &lobes[..mirror.count];
-        let directions = mirror.samples(lobes);
+        let directions = mirror.samples(lobes, Disc::MIDDLE);
         let area = |wi: Vec3| mirror.solid_angles(lobes, Vec3x8::<f32x8>::splat(wi)).to_array()[0];
         let used = &directions[..mirror.count * SAMPLES];
         let integral = |f: &dyn Fn(Vec3) -> f32| used.iter().map(|&wi| f(wi) * area(wi)).sum::<f32>();

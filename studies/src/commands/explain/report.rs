@@ -48,6 +48,9 @@ pub fn of_pixel(explanation: &PixelExplanation) -> String {
         let share = 100.0 * luminance(explanation.mirror) / whole;
         let _ = writeln!(text, "{share:6.2} % by a mirror, which reads the map in place of nodes");
     }
+    if explanation.has_rays {
+        text += "a mirror: rays of the picture show the scene in place of this light around the mirror direction\n";
+    }
     text.truncate(text.trim_end().len());
     text
 }

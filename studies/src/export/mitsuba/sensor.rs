@@ -5,7 +5,7 @@
 
 use super::{MitsubaScene, xml};
 use lapidary_core::{bounds::Bounds, ground::Ground};
-use lapidary_render::{Background, View};
+use lapidary_render::{Appearance, Background, View, has_mirrors};
 
 /// Values that `mitsuba -D` or `mi.load_file` may set.
 pub const DEFAULTS: &str = "<default name=\"materials\" value=\"materials.xml\"/>\n\
@@ -71,7 +71,10 @@ pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
     let is_blurred = matches!(view.background, Background::Blurred(_)) && !shines;
     let is_ground = scene.dataset.scene.mesh.ground.is_some() && view.ground != Ground::On;
     let is_mixed = shines && (scene.environment.is_some() || !scene.lights.is_empty());
+    let mirrors = || has_mirrors(&Appearance::of(&scene.dataset.scene), scene.dataset);
+    let is_mirrored = view.mirrors && scene.bounces < 2 && mirrors();
     [
+        (is_mirrored, "mirrors show the scene in Mitsuba by bounces of light: choose two or more, and all surfaces bounce"),
         (is_blurred, "Mitsuba shows no blurred background: it is black there"),
         (
             is_seen,

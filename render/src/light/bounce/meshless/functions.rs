@@ -1,9 +1,10 @@
 //! The meshless solution at any surface point, for display: each pixel sums the functions that reach it and normalizes them level
 //! by level (meshless paper, 4.1, with the loop inverted). The basis limits the detail, not the mesh.
 
+use super::gloss::ArrivingByDirection;
 use glam::{Mat3A, Vec3};
 use lapidary_core::{
-    color::luminance,
+    color::{luminance, signed_light},
     dataset::Dataset,
     mesh::Mesh,
     meshless::{FunctionPlace, Functions},
@@ -23,6 +24,8 @@ pub struct MeshlessLight {
     /// before; those of a basis are summed.
     as_baked: Option<Arc<VerticesAsBaked>>,
     coefficients: Vec<Mat3A>,
+    /// The same light by direction, for glossy surfaces.
+    by_direction: Option<Arc<ArrivingByDirection>>,
     /// Whether any function in the cell of each grid slot carries light; empty for functions of objects. Most cells of the finest
     /// levels of a basis have none.
     is_lit: Vec<bool>,
@@ -62,7 +65,7 @@ impl MeshlessLight {
         let grid = bake.basis.functions().grid();
         let is_lit = |slot: usize| grid.functions_in(slot).iter().any(|&f| coefficients[f as usize] != Mat3A::ZERO);
         let is_lit = (0..grid.slots().len()).into_par_iter().with_min_len(1024).map(is_lit).collect();
-        Some(Self { dataset: dataset.clone(), as_baked: None, coefficients, is_lit })
+        Some(Self { dataset: dataset.clone(), as_baked: None, coefficients, by_direction: None, is_lit })
     }
 
     /// Light of the functions of a dataset's objects, with its vertices. `None` if the dataset has no such functions.
@@ -75,7 +78,8 @@ impl MeshlessLight {
         coefficients: Vec<Mat3A>,
     ) -> Option<Self> {
         assert_eq!(dataset.object_bases.as_ref()?.len(), coefficients.len(), "one coefficient per function");
-        Some(Self { dataset: dataset.clone(), as_baked: Some(as_baked.clone()), coefficients, is_lit: Vec::new() })
+        let (as_baked, by_direction, is_lit) = (Some(as_baked.clone()), None, Vec::new());
+        Some(Self { dataset: dataset.clone(), as_baked, coefficients, by_direction, is_lit })
     }
 
     /// The same functions with other coefficients.
@@ -87,6 +91,17 @@ impl MeshlessLight {
             None => Self::new(dataset, coefficients),
         };
         light.expect("the dataset has these functions")
+    }
+
+    /// The same light, of which also directions are known.
+    #[must_use]
+    pub(super) fn arriving_from(self, by_direction: ArrivingByDirection) -> Self {
+        Self { by_direction: Some(by_direction.into()), ..self }
+    }
+
+    /// The light by direction, if it is known.
+    pub(crate) fn by_direction(&self) -> Option<&Arc<ArrivingByDirection>> {
+        self.by_direction.as_ref()
     }
 
     /// The dataset of these functions.
@@ -168,8 +183,7 @@ impl MeshlessLight {
         }
         let vector = functions.evaluate_in(functions.slot_at(level, place), level, place, &self.coefficients);
         let received = vector.unwrap_or(Mat3A::ZERO).transpose().mul_vec3(shading_normal);
-        let reflected = luminance(received) * FRAC_1_PI;
-        Vec3::new(reflected, 0.0, -reflected).max(Vec3::ZERO)
+        signed_light(luminance(received) * FRAC_1_PI)
     }
 
     /// Value of one function at a point, 0 to 1 (meshless paper, Fig. 4).

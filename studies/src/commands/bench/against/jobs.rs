@@ -124,6 +124,7 @@ const LAMPS_AND_BOUNCE: &[&str] = &["--components", "environment,direct,indirect
 const CUTS: &[&str] = &["--solution", "cuts"];
 const MESHLESS: &[&str] = &["--solution", "meshless"];
 const BOTH: &[&str] = &["--solution", "cuts+meshless"];
+const GLOSS: &[&str] = &["--solution", "cuts+gloss"];
 
 const fn job(scene: usize, work: Work, figures: &'static [Figure]) -> Job {
     Job { scene, work, needs: None, rounds: 1, is_crossed: false, figures }
@@ -166,6 +167,7 @@ pub const JOBS: &[Job] = &[
     frames(COLOR_BOX, &[SMALL, SPOT, CUTS], &[figure("frame, cuts", TOTAL), figure("light moved, cuts", LIGHT_MOVED)]),
     frames(COLOR_BOX, &[SMALL, SPOT, MESHLESS], &[figure("frame, meshless", TOTAL), figure("light moved, meshless", LIGHT_MOVED)]),
     frames(COLOR_BOX, &[SMALL, SPOT, BOTH], &[figure("frame, cuts+meshless", TOTAL), figure("light moved, cuts+meshless", LIGHT_MOVED)]),
+    Job { needs: Some(GLOSS[1]), ..frames(COLOR_BOX, &[SMALL, SPOT, GLOSS], &[figure("frame, cuts+gloss", TOTAL), figure("light moved, cuts+gloss", LIGHT_MOVED)]) },
     job(STILL_LIFE, Work::Adapter(&[SMALL, STUDIO]), &[figure("frame, studio, adapter", TOTAL)]),
     Job { rounds: 3, ..job(STILL_LIFE, Work::Window, &[figure("first picture in the window", &[])]) },
     drag(COLOR_BOX, &[SMALL, SPOT, CUTS, &["--drag", "Short block"]]),

@@ -48,7 +48,7 @@ esac
     (folder, program)
 }
 
-const ALL_OPTIONS: &str = "--json --sun --drag --edits";
+const ALL_OPTIONS: &str = "--json --sun --drag --edits cuts+gloss";
 
 /// Measures some jobs with a time limit per run.
 fn measured(this: &Program, other: &Program, jobs: &[Job], limit: Duration) -> Vec<Row> {
@@ -121,7 +121,9 @@ fn an_older_program_lacks_options_and_suns() {
     let is_lacking = |row: &Row, option: &str| {
         row.remark.as_ref().is_some_and(|remark| *remark == format!("the other program has no {option}"))
     };
-    let (drags, edits) = older[FEW + 2..].split_at(4);
+    let (glossy, others) = older[FEW + 2..].split_at(2);
+    let (drags, edits) = others.split_at(4);
+    assert!(glossy.iter().all(|row| is_lacking(row, "cuts+gloss") && row.own.this.len() == 2), "{glossy:?}");
     assert!(drags.iter().all(|row| is_lacking(row, "--drag") && row.own.this.len() == 2), "{drags:?}");
     assert!(edits.len() == 16 && edits.iter().all(|row| is_lacking(row, "--edits")), "{edits:?}");
     assert!(
