@@ -42,7 +42,7 @@ pub struct Job {
     pub scene: usize,
     /// Work of each run.
     pub work: Work,
-    /// `bench` option that a program must have for this job.
+    /// Option of `bench`, or value of one, that a program must have for this job.
     pub needs: Option<&'static str>,
     /// Rounds of runs.
     pub rounds: usize,

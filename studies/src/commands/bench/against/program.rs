@@ -174,7 +174,7 @@ impl Running {
     }
 }
 
-/// A program with its options.
+/// A program with the words of its help.
 #[derive(Debug)]
 pub struct Program {
     /// Absolute, so that a bare name is not searched for elsewhere.
@@ -182,7 +182,7 @@ pub struct Program {
     /// Version text.
     pub version: String,
     /// Options in `bench --help`.
-    options: BTreeSet<String>,
+    words: BTreeSet<String>,
     /// An empty home folder.
     home: TempDir,
 }
@@ -196,14 +196,14 @@ impl Program {
         let path = std::path::absolute(path)?;
         let home =
             tempfile::tempdir().context("cannot write to the folder for temporary files; check its free space")?;
-        let mut program = Self { path, version: String::new(), options: BTreeSet::new(), home };
+        let mut program = Self { path, version: String::new(), words: BTreeSet::new(), home };
         let patience = Patience { limit: ANSWER_LIMIT, stops: &|| false };
         let ask = |words: &[&str]| program.run(words, patience);
         let asked = ask(&["bench", "--help"]).and_then(|help| Ok((help.text, ask(&["--version"])?.text)));
         let place = program.path.display();
         let (help, version) =
             asked.map_err(|error| anyhow!("the program {error}; name a program of lapidary ({place})"))?;
-        program.options = options_in(&help);
+        program.words = words_in(&help);
         program.version = version.trim().into();
         if !program.has("--json") {
             bail!("the program has no `bench --json`; name a program of lapidary ({})", program.path.display());
@@ -211,9 +211,9 @@ impl Program {
         Ok(program)
     }
 
-    /// Whether `bench` has an option.
-    pub fn has(&self, option: &str) -> bool {
-        self.options.contains(option)
+    /// Whether the help of `bench` names an option, or a value of one.
+    pub fn has(&self, word: &str) -> bool {
+        self.words.contains(word)
     }
 
     /// A command without the user's files and without a display.
@@ -249,10 +249,9 @@ fn last_words(text: &str) -> String {
     line.strip_prefix("error: ").unwrap_or(line).chars().take(MOST_LAST_WORDS).collect()
 }
 
-/// All long options in a text.
-fn options_in(help: &str) -> BTreeSet<String> {
-    let words = help.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'));
-    words.filter(|word| word.len() > 2 && word.starts_with("--")).map(str::to_owned).collect()
+/// All words of a text: options such as `--illum-cuts`, and values such as `cuts+gloss`.
+fn words_in(help: &str) -> BTreeSet<String> {
+    help.split(|c: char| !(c.is_ascii_alphanumeric() || "-+".contains(c))).map(str::to_owned).collect()
 }
 
 #[cfg(test)]
@@ -260,9 +259,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn options_are_whole_words_of_the_help() {
-        let options = options_in("  --sun <SUN>  with --frames, not -s or -- alone; sun-sky:ELEVATION\n--illum-cuts=1");
-        assert_eq!(options, ["--frames", "--illum-cuts", "--sun"].map(str::to_owned).into());
+    fn options_and_values_are_whole_words_of_the_help() {
+        let words = words_in("  --sun <SUN>  with --frames\n--illum-cuts=1 [possible values: cuts, cuts+gloss]");
+        for word in ["--sun", "--frames", "--illum-cuts", "cuts", "cuts+gloss"] {
+            assert!(words.contains(word), "{word} is not in {words:?}");
+        }
+        for part in ["--illum", "gloss", "sun"] {
+            assert!(!words.contains(part), "{part} is in {words:?}");
+        }
     }
 
     #[test]
