@@ -181,7 +181,7 @@ pub struct Program {
     pub path: PathBuf,
     /// Version text.
     pub version: String,
-    /// Options in `bench --help`.
+    /// Words of `bench --help`: options and their values.
     words: BTreeSet<String>,
     /// An empty home folder.
     home: TempDir,
