@@ -155,21 +155,22 @@ fn closed_room() -> String {
 fn light_in_a_closed_glossy_room_is_the_geometric_series() {
     let folder = Folder::new();
     folder.write("room.obj", closed_room());
-    folder.write("room.mtl", "newmtl Walls\nKd 0.5 0.5 0.5\nPm 1\nPr 0.7\nKe 1 1 1\n".into());
+    folder.write("room.mtl", "newmtl Walls\nKd 0.5 0.5 0.5\nPm 1\nPr 0.447\nKe 1 1 1\n".into());
     folder.succeed(&format!("bake room.obj -o room.cuts {} {BASIS}", BAKE.replace("indirect", "all")));
-    let inside = "--env none --components direct,indirect --no-mirrors --size 24x24 --eye 0.2,0.1,0.3 \
-                  --target -0.5,-0.2,-1 --fov 90";
+    let inside =
+        "--env none --components direct,indirect --size 24x24 --eye 0.2,0.1,0.3 --target -0.5,-0.2,-1 --fov 90";
     let mean = |command: &str| {
         folder.succeed(&format!("{command} {inside} --out a.exr"));
         let squares = squares(&folder, "a.exr");
         squares.iter().map(|square| square.x).sum::<f64>() / squares.len() as f64
     };
-    let reflectance = mean("reference room.cuts --kind path --bounces 1 --spp 256") - 1.0;
-    assert!((0.35..0.5).contains(&reflectance), "{reflectance}");
+    let reflectance = mean("reference room.cuts --kind path --bounces 1 --spp 256 --no-mirrors") - 1.0;
+    assert!((0.45..0.5).contains(&reflectance), "{reflectance}");
     let of = |solution: &str| mean(&format!("render room.cuts --backend cpu --solution {solution}"));
+    // In creases sources are too coarse for such lobes: rays show what is there.
     let (found, expected) = (of("cuts+gloss"), 1.0 / (1.0 - reflectance));
     assert!((found / expected - 1.0).abs() < 0.03, "{found} for {expected}");
-    let once = of("cuts");
+    let once = of("cuts --no-mirrors");
     assert!(once / expected < 0.9, "negative control, one bounce: {once}");
 }
 

@@ -104,8 +104,9 @@ fn a_scene_with_a_lamp_has_the_figures_of_functions() {
 fn a_room_of_quads_has_the_figures_of_wavelet_transport() {
     let folder = Folder::new();
     write_room(&folder);
-    folder.succeed("evidence --quick --no-bundled --scenes room.gltf --out proof");
+    folder.succeed("evidence --quick --no-bundled --scenes room.gltf --papers wavelet --out proof");
     let figures = &folder.json("proof/evidence.json")["figures"];
+    assert_eq!(keys(figures), ["wavelet_compression", "wavelet_gathering", "wavelet_table1"], "of this paper alone");
     let number = |value: &serde_json::Value| value.as_f64().expect("a number");
     let row = &figures["wavelet_table1"][0];
     assert_eq!((&row["scene"], &row["patches"]), (&"room".into(), &6.into()));

@@ -163,6 +163,7 @@ pictures, and evidence.json. Each figure is on disk before the next begins; Ctrl
 Examples:
   lapidary evidence --out evidence
   lapidary evidence --out mine --no-bundled --scenes teapot.obj room.glb --env sky.hdr
+  lapidary evidence --out mine --no-bundled --scenes room.glb --papers meshless,wavelet
   lapidary evidence --out try --quick")]
     Evidence(EvidenceArgs),
     /// Explain a pixel by its merged cut, and split the error of a picture into its causes

@@ -26,7 +26,7 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use cases::{Case, Plan};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use lapidary_core::environment::Environment;
 use lapidary_interchange::{environment, formats::SceneFormat, image::file_and_layer};
 use notebook::{Head, Notebook};
@@ -50,6 +50,15 @@ pub struct EvidenceArgs {
     /// Environment, as for `render`: a file, or constant:R,G,B, sun-sky:ELEVATION, studio or orientation
     #[arg(long, value_name = "MAP", default_value = "studio")]
     env: String,
+    /// Measure the figures of these papers alone, separated by commas [default: all]
+    #[arg(
+        long,
+        value_name = "PAPERS",
+        value_delimiter = ',',
+        hide_default_value = true,
+        default_value = "cuts,meshless,wavelet,implicit"
+    )]
+    papers: Vec<Paper>,
     /// Use few lights, vertices and pixels, to check in a minute that everything works; the figures mean little
     #[arg(long)]
     quick: bool,
@@ -76,6 +85,19 @@ impl EvidenceArgs {
     }
 }
 
+/// A paper whose figures are measured anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Paper {
+    /// Visibility cuts (Cheslack-Postava et al. 2008)
+    Cuts,
+    /// The meshless hierarchical basis (Lehtinen et al. 2008)
+    Meshless,
+    /// Wavelet radiance transport (Kontkanen et al. 2006)
+    Wavelet,
+    /// Implicit visibility (Dong et al. 2007)
+    Implicit,
+}
+
 /// Bakes, renders, traces, measures and writes the figures.
 ///
 /// # Errors
@@ -90,7 +112,8 @@ pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
     let steps = Steps::new(console);
     let head = Head::new(scale, &args.env, plans.iter().map(|plan| plan.name.clone()).collect());
     let mut notebook = Notebook::new(&args.out, head)?;
-    let measurement = Measurement { scale, environment: environment.into(), steps: &steps, out: &args.out };
+    let (environment, papers) = (environment.into(), &args.papers);
+    let measurement = Measurement { scale, environment, papers, steps: &steps, out: &args.out };
     let cases = plans.into_iter().map(|plan| measurement.bake(plan)).collect::<Result<Vec<_>>>()?;
     measurement.figures(&cases, &mut notebook)?;
     notebook.finish()?;
@@ -112,13 +135,31 @@ fn scenes(args: &EvidenceArgs) -> Result<Vec<PathBuf>> {
 struct Measurement<'a> {
     scale: &'static MeasurementScale,
     environment: std::sync::Arc<Environment>,
+    papers: &'a [Paper],
     steps: &'a Steps,
     out: &'a std::path::Path,
 }
 
 impl Measurement<'_> {
+    /// Whether the figures of any of these papers are measured.
+    fn has(&self, papers: &[Paper]) -> bool {
+        papers.iter().any(|paper| self.papers.contains(paper))
+    }
+
     /// All figures in the papers' order, each written before the next begins.
     fn figures(&self, cases: &[Case], notebook: &mut Notebook) -> Result<()> {
+        for paper in Paper::value_variants().iter().filter(|&&paper| self.has(&[paper])) {
+            match paper {
+                Paper::Cuts => self.figures_of_cuts(cases, notebook),
+                Paper::Meshless => functions::record(self, cases, notebook),
+                Paper::Wavelet => transport::record(self, cases, notebook),
+                Paper::Implicit => implicit::record(self, cases, notebook),
+            }?;
+        }
+        Ok(())
+    }
+
+    fn figures_of_cuts(&self, cases: &[Case], notebook: &mut Notebook) -> Result<()> {
         let open: Vec<_> = cases.iter().filter_map(|case| case.environment.as_ref().map(|e| (case, e))).collect();
         if let Some((case, bakes)) = open.first() {
             self.steps.begin("Fig. 5: clusters of the light tree");
@@ -136,8 +177,6 @@ impl Measurement<'_> {
             self.steps.begin("errors against beta, sigma, lights and vertices");
             sweeps::record(self, case, bakes, truth, notebook)?;
         }
-        functions::record(self, cases, notebook)?;
-        transport::record(self, cases, notebook)?;
-        implicit::record(self, cases, notebook)
+        Ok(())
     }
 }

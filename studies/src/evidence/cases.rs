@@ -1,7 +1,7 @@
 //! The measured scenes: read, tessellated and baked once for all figures.
 
 use super::{
-    Measurement,
+    Measurement, Paper,
     variants::{Variant, VariantBaker},
 };
 use anyhow::{Context, Result};
@@ -108,19 +108,21 @@ impl Bakes {
 }
 
 impl Measurement<'_> {
-    /// Bakes for the kinds of light that a scene has.
+    /// Bakes for the kinds of light that a scene has and the papers measure.
     ///
     /// # Errors
     /// A failed bake, or Ctrl-C.
     pub fn bake(&self, plan: Plan) -> Result<Case> {
         self.steps.begin(&format!("baking {}", plan.name));
         let context = || format!("cannot measure the scene {}", plan.path.display());
-        let environment = self.environment_bakes(&plan.scene).with_context(context)?;
+        let has_cuts = self.has(&[Paper::Cuts, Paper::Implicit]);
+        let environment = if has_cuts { self.environment_bakes(&plan.scene).with_context(context)? } else { None };
         let is_lit = !plan.scene.lights.is_empty();
+        let has_functions = is_lit && self.has(&[Paper::Meshless, Paper::Wavelet]);
         let of = |mode: BakeParts, name: &str| self.bounce_bake(&plan, mode, name).with_context(context);
-        let bounces = is_lit.then(|| of(BakeParts::INDIRECT, "bounces")).transpose()?;
+        let bounces = (is_lit && has_cuts).then(|| of(BakeParts::INDIRECT, "bounces")).transpose()?;
         let in_functions = BakeParts::MESHLESS.with(BakeParts::RADIOSITY);
-        let functions = is_lit.then(|| of(in_functions, "functions")).transpose()?;
+        let functions = has_functions.then(|| of(in_functions, "functions")).transpose()?;
         self.steps.reporter.finish();
         Ok(Case { name: plan.name, scene: plan.scene, environment, bounces, functions })
     }
