@@ -1,7 +1,7 @@
 //! Colors with one exponent for three mantissas of nine bits, as textures of the format `rgb9e5` have them: four bytes, no sign, up
 //! to 65,408, to 1/512 of the brightest channel.
 
-use glam::Vec3;
+use glam::{UVec3, Vec3};
 
 /// Bits of a mantissa.
 const MANTISSA: u32 = 9;
@@ -11,16 +11,24 @@ const BIAS: i32 = 15;
 const LARGEST: f32 = 65_408.0;
 
 /// The nearest color of the format; negative components and NaN become 0.
+#[inline]
 pub fn encode(color: Vec3) -> u32 {
     let color = color.max(Vec3::ZERO).min(Vec3::splat(LARGEST));
     let largest = color.max_element();
     // The exponent of the power of two above the largest component.
     let above = ((largest.to_bits() >> 23) as i32 - 126).max(-BIAS);
-    let rounded = |exponent: i32| (color * power_of_two(MANTISSA as i32 - exponent) + 0.5).floor();
-    let fits = rounded(above).max_element() < (1 << MANTISSA) as f32;
+    let rounded = |exponent: i32| (color * power_of_two(MANTISSA as i32 - exponent)).to_array().map(nearest_integer);
+    let fits = rounded(above).into_iter().all(|mantissa| mantissa < 1 << MANTISSA);
     let exponent = if fits { above } else { above + 1 };
-    let mantissas = rounded(exponent).as_uvec3();
+    let mantissas = UVec3::from(rounded(exponent));
     mantissas.x | mantissas.y << MANTISSA | mantissas.z << (2 * MANTISSA) | ((exponent + BIAS) as u32) << (3 * MANTISSA)
+}
+
+/// The nearest integer to a number of up to 2²², in fewer instructions than a conversion: adding 2²³ leaves no bit for less than 1.
+#[inline(always)]
+fn nearest_integer(number: f32) -> u32 {
+    const SHIFT: f32 = (1 << 23) as f32;
+    (number + SHIFT).to_bits() - SHIFT.to_bits()
 }
 
 /// The color of a code.

@@ -9,13 +9,13 @@ use lapidary_core::{
     sphere::octahedron::{Knots, KnotsX8},
 };
 use rayon::prelude::*;
-use std::sync::LazyLock;
+use std::{array::from_fn, sync::LazyLock};
 
 /// Directions of a node.
 pub(crate) const KNOTS: Knots = Knots { side: 16 };
 /// Unit directions of the knots.
 pub(crate) static DIRECTIONS: LazyLock<[Vec3; KNOTS.len()]> =
-    LazyLock::new(|| std::array::from_fn(|knot| KNOTS.direction_of(knot)));
+    LazyLock::new(|| from_fn(|knot| KNOTS.direction_of(knot)));
 /// Values toward the knots.
 pub(crate) type Toward = [Vec3; KNOTS.len()];
 /// Least cosine by which a source counts in a node's light toward a direction. It decides where none is seen.
@@ -26,52 +26,95 @@ const LEAST_COSINE: f32 = 1e-3;
 #[derive(Clone, Debug)]
 pub struct SentByDirection {
     /// By heap index.
-    codes: Vec<[u32; KNOTS.len()]>,
+    codes: Vec<Codes>,
 }
+
+/// Codes of a node.
+type Codes = [u32; KNOTS.len()];
+/// Sources below a node whose light stays in the cache until that of the node is known.
+const SUBTREE: usize = 64;
 
 /// What the sources below a node send toward the knots, weighted by the area that is seen: by direction, and as diffuse surfaces.
 struct Seen {
-    sent: Toward,
-    diffuse: Toward,
+    sent: Channels,
+    diffuse: Channels,
 }
 
+/// Values toward the knots, by channel: the compiler makes loops over them wide.
+type Channels = [[f32; KNOTS.len()]; 3];
+
 impl Seen {
-    fn source(source: &Source, (diffuse, sent): (Vec3, Toward)) -> Self {
-        let area = DIRECTIONS.map(|direction| source.area * source.surfel.normal.dot(direction).max(LEAST_COSINE));
-        let scaled = |of: &dyn Fn(usize) -> Vec3| std::array::from_fn(|knot| of(knot) * area[knot]);
-        Self { sent: scaled(&|knot| sent[knot]), diffuse: scaled(&|_| diffuse) }
+    fn source(source: &Source, diffuse: Vec3, sent: impl Fn(usize) -> Vec3) -> Self {
+        let mut seen = Self { sent: [[0.0; KNOTS.len()]; 3], diffuse: [[0.0; KNOTS.len()]; 3] };
+        for (knot, direction) in DIRECTIONS.iter().enumerate() {
+            let area = source.area * source.surfel.normal.dot(*direction).max(LEAST_COSINE);
+            for (channels, value) in [(&mut seen.sent, sent(knot)), (&mut seen.diffuse, diffuse)] {
+                channels.iter_mut().zip((value * area).to_array()).for_each(|(channel, value)| channel[knot] = value);
+            }
+        }
+        seen
     }
 
     fn joined([a, b]: &[Self; 2]) -> Self {
-        let sum = |a: &Toward, b: &Toward| std::array::from_fn(|knot| a[knot] + b[knot]);
+        let sum = |a: &Channels, b: &Channels| from_fn(|channel| from_fn(|knot| a[channel][knot] + b[channel][knot]));
         Self { sent: sum(&a.sent, &b.sent), diffuse: sum(&a.diffuse, &b.diffuse) }
     }
 
-    fn codes(&self) -> [u32; KNOTS.len()] {
-        let share = |knot: usize| self.sent[knot] / self.diffuse[knot].max_element().max(f32::MIN_POSITIVE);
-        std::array::from_fn(|knot| encode(share(knot)))
+    fn codes(&self) -> Codes {
+        let toward = |[x, y, z]: &Channels, knot: usize| Vec3::new(x[knot], y[knot], z[knot]);
+        let diffuse = |knot| toward(&self.diffuse, knot).max_element().max(f32::MIN_POSITIVE);
+        from_fn(|knot| encode(toward(&self.sent, knot) / diffuse(knot)))
     }
 }
 
-impl SentByDirection {
-    /// Of the radiance that each source would send as a diffuse surface, and what it sends toward the knots.
-    pub(crate) fn new(tree: &SourceTree, of_source: impl Fn(usize) -> (Vec3, Toward) + Sync) -> Self {
-        let mut codes = vec![[0; KNOTS.len()]; 2 * tree.len()];
-        let leaf = |i: usize| Seen::source(&tree.sources()[i], of_source(i));
-        let mut level: Vec<Seen> = (0..tree.len()).into_par_iter().map(leaf).collect();
-        loop {
-            let nodes = level.len();
-            codes[nodes..2 * nodes].par_iter_mut().zip(&level).for_each(|(codes, seen)| *codes = seen.codes());
-            if nodes == 1 {
-                break;
-            }
-            level = level.par_chunks(2).map(|pair| Seen::joined(pair.as_array().expect("a complete tree"))).collect();
+/// The levels of each of `roots` trees, from codes that begin with those of the roots.
+fn levels(mut codes: &mut [Codes], roots: usize) -> Vec<Vec<&mut [Codes]>> {
+    let mut trees: Vec<_> = (0..roots).map(|_| Vec::new()).collect();
+    let mut of_each = 1;
+    while !codes.is_empty() {
+        let (level, deeper) = codes.split_at_mut(roots * of_each);
+        trees.iter_mut().zip(level.chunks_mut(of_each)).for_each(|(tree, level)| tree.push(level));
+        (codes, of_each) = (deeper, 2 * of_each);
+    }
+    trees
+}
+
+/// Fills the levels of a tree with what is seen of its leaves, and returns what is seen of its root.
+fn fill(levels: Vec<&mut [Codes]>, mut seen: Vec<Seen>) -> Seen {
+    for level in levels.into_iter().rev() {
+        if level.len() < seen.len() {
+            seen = joined(&seen);
         }
+        level.iter_mut().zip(&seen).for_each(|(codes, seen)| *codes = seen.codes());
+    }
+    seen.pop().expect("a root")
+}
+
+/// What is seen of each two nodes.
+fn joined(seen: &[Seen]) -> Vec<Seen> {
+    seen.as_chunks().0.iter().map(Seen::joined).collect()
+}
+
+impl SentByDirection {
+    /// Of the radiance that each source would send as a diffuse surface, and what it sends toward each knot.
+    pub(crate) fn new<F: Fn(usize) -> Vec3>(tree: &SourceTree, of_source: impl Fn(usize) -> (Vec3, F) + Sync) -> Self {
+        let mut codes = vec![[0; KNOTS.len()]; 2 * tree.len()];
+        let leaf = |i: usize| {
+            let (diffuse, sent) = of_source(i);
+            Seen::source(&tree.sources()[i], diffuse, sent)
+        };
+        let size = SUBTREE.min(tree.len());
+        let roots = tree.len() / size;
+        let (above, below) = codes.split_at_mut(roots);
+        let subtrees = levels(below, roots).into_par_iter().enumerate();
+        let of_root = |(root, levels)| fill(levels, (root * size..(root + 1) * size).map(leaf).collect());
+        let seen: Vec<Seen> = subtrees.map(of_root).collect();
+        fill(levels(&mut above[1..], 1).pop().expect("one tree"), seen);
         Self { codes }
     }
 
     /// Codes of the shares, by heap index; those of index 0 are of no node.
-    pub(crate) fn codes(&self) -> &[[u32; KNOTS.len()]] {
+    pub(crate) fn codes(&self) -> &[Codes] {
         &self.codes
     }
 
@@ -131,7 +174,7 @@ mod tests {
             spacing: 1.0,
         };
         let tree = SourceTree::new(&[1.0, -1.0].map(source));
-        SentByDirection::new(&tree, |i| (diffuse[i], [diffuse[i] * times[i]; KNOTS.len()]))
+        SentByDirection::new(&tree, |i| (diffuse[i], move |_| diffuse[i] * times[i]))
     }
 
     #[test]
@@ -151,7 +194,7 @@ mod tests {
         let mut directions = fibonacci_directions(799);
         directions.push(Vec3::ZERO);
         for eight in directions.chunks_exact(8) {
-            let nodes = std::array::from_fn(|i| 1 + i % 3);
+            let nodes = from_fn(|i| 1 + i % 3);
             let found = sent.shares(nodes, Vec3x8::<f32x8>::from_array(eight.try_into().unwrap()));
             for (i, &direction) in eight.iter().enumerate() {
                 assert!((found.lane(i) - sent.share(nodes[i], direction)).length() < 1e-4, "{direction}");

@@ -131,7 +131,7 @@ impl Lit<'_> {
         let surfaces = Surfaces::of(self);
         let ratios = vec![[Vec3::ONE; KNOTS.len()]; self.rig.groups.all().len()];
         let mut by_direction = ByDirection { lamps: Vec::new(), ratios };
-        let as_diffuse = self.arriving(&by_direction);
+        let as_diffuse = self.arriving_of_diffuse();
         by_direction.lamps = self.lamps(lamps, &surfaces);
         for _ in 0..GATHERS {
             let arriving = self.arriving(&by_direction);
@@ -139,11 +139,7 @@ impl Lit<'_> {
             let ratios = ratios.map(|(now, diffuse, surface)| ratios_of(now, diffuse, surfaces.transfer(surface)));
             by_direction.ratios = ratios.collect();
         }
-        SentByDirection::new(rig.tree(), |source| {
-            let DiffuseParts { lamps, rest, emitted } = &self.parts;
-            let diffuse = lamps[source] + rest[source] + emitted[source];
-            (diffuse, std::array::from_fn(|knot| self.radiance(&by_direction, source, knot)))
-        })
+        SentByDirection::new(rig.tree(), |source| (self.diffuse(source), self.toward(&by_direction, source)))
     }
 
     /// What sources have in common that reflect alike, if their material is the same all over.
@@ -182,21 +178,37 @@ impl Lit<'_> {
 
     /// Mean radiance that arrives in the cells of each group.
     fn arriving(&self, sent: &ByDirection) -> Vec<[Vec3; CELLS.len()]> {
+        self.arriving_from(|source, knot| self.toward(sent, source)(knot))
+    }
+
+    /// [`Self::arriving`] while all sources are diffuse.
+    fn arriving_of_diffuse(&self) -> Vec<[Vec3; CELLS.len()]> {
+        let diffuse: Vec<Vec3> = (0..self.sources.len()).map(|source| self.diffuse(source)).collect();
+        self.arriving_from(|source, _| diffuse[source])
+    }
+
+    fn arriving_from(&self, radiance: impl Fn(usize, usize) -> Vec3 + Sync) -> Vec<[Vec3; CELLS.len()]> {
         let of_ray = |end: RayEnd| match end {
             RayEnd::Dark => Vec3::ZERO,
             RayEnd::Sky(direction) => self.sky.radiance(direction),
-            RayEnd::Source { source, knot } => self.radiance(sent, source as usize, knot as usize),
+            RayEnd::Source { source, knot } => radiance(source as usize, knot as usize),
         };
         self.rig.groups.cells().map(|cell| cell.map(of_ray)).collect()
     }
 
-    /// Radiance of a source toward a knot.
-    fn radiance(&self, sent: &ByDirection, source: usize, knot: usize) -> Vec3 {
+    /// Radiance of a source that is diffuse.
+    fn diffuse(&self, source: usize) -> Vec3 {
         let DiffuseParts { lamps, rest, emitted } = &self.parts;
-        let by_direction = sent.lamps.get(source).and_then(Option::as_ref);
-        let lamps = by_direction.map_or(lamps[source], |toward| toward[knot]);
-        let group = self.rig.groups.of_sources()[source];
-        lamps + rest[source] * sent.ratios[group as usize][knot] + emitted[source]
+        lamps[source] + rest[source] + emitted[source]
+    }
+
+    /// Radiance of a source toward each knot.
+    fn toward<'a>(&'a self, sent: &'a ByDirection, source: usize) -> impl Fn(usize) -> Vec3 + 'a {
+        let DiffuseParts { lamps, rest, emitted } = &self.parts;
+        let (lamps, rest, emitted) = (lamps[source], rest[source], emitted[source]);
+        let of_lamps = sent.lamps.get(source).and_then(Option::as_ref);
+        let ratios = &sent.ratios[self.rig.groups.of_sources()[source] as usize];
+        move |knot| of_lamps.map_or(lamps, |toward| toward[knot]) + rest * ratios[knot] + emitted
     }
 }
 

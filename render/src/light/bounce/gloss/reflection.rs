@@ -138,15 +138,31 @@ impl Transfer {
 
     /// Radiance toward all knots, for the mean radiance that arrives in each cell.
     pub fn reflected(&self, arriving: &[Vec3; CELLS.len()]) -> Toward {
-        let arriving: [Vec3x8; EIGHTS] =
-            from_fn(|eight| Vec3x8::from_array(from_fn(|lane| arriving[8 * eight + lane])));
+        let arriving = from_fn(|eight| Vec3x8::from_array(from_fn(|lane| arriving[8 * eight + lane])));
+        with_unseen(InstructionSet::widest().run(Transferred { by: self, arriving: &arriving }), &self.seen)
+    }
+}
+
+/// Light of cells, reflected by a transfer.
+struct Transferred<'a> {
+    by: &'a Transfer,
+    arriving: &'a [Vec3x8; EIGHTS],
+}
+
+impl Kernel for Transferred<'_> {
+    type Output = Toward;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Toward {
         let mut reflected = [Vec3::ZERO; KNOTS.len()];
-        for &knot in &self.seen {
-            let parts = self.toward[knot].iter().zip(&arriving);
-            let sum = parts.fold(Vec3x8::splat(Vec3::ZERO), |sum, (share, light)| sum + share.scale(*light));
+        for &knot in &self.by.seen {
+            let mut sum = Vec3x8::<L>::splat(Vec3::ZERO);
+            for (share, light) in self.by.toward[knot].iter().zip(self.arriving) {
+                sum = sum + Vec3x8::load(share).scale(Vec3x8::load(light));
+            }
             reflected[knot] = sum.reduce_add();
         }
-        with_unseen(reflected, &self.seen)
+        reflected
     }
 }
 
