@@ -259,7 +259,8 @@ fn taps_of(slot: TextureSlot, footprint: UvFootprint) -> Taps {
     let width = max(short, TEXELS_PER_WIDTH);
     let count = clamp(floor(long / width + 0.5), 1.0, MOST_TAPS);
     let step = axis / count;
-    let level = log2(max(width, long / count) / TEXELS_PER_WIDTH);
+    // A quotient of 1 may come out as less where division is not correctly rounded.
+    let level = max(log2(max(width, long / count) / TEXELS_PER_WIDTH), 0.0);
     return Taps(u32(count), uv - step * (0.5 * (count - 1.0)), step, level);
 }
 

@@ -130,6 +130,9 @@ pub enum ShaderSource {
     Embedded,
     /// Files of a folder, for work on the shaders.
     Folder(PathBuf),
+    /// The embedded ones, with each program changed.
+    #[cfg(test)]
+    Changed(fn(&str) -> String),
 }
 
 impl ShaderSource {
@@ -144,7 +147,12 @@ impl ShaderSource {
             name => self.part(name),
         };
         let texts: std::io::Result<Vec<Cow<str>>> = program.parts.concat().into_iter().map(part).collect();
-        Ok(texts?.join("\n"))
+        let text = texts?.join("\n");
+        #[cfg(test)]
+        if let Self::Changed(change) = self {
+            return Ok(change(&text));
+        }
+        Ok(text)
     }
 
     /// Texts in which the models of a scene are filled: the dispatch to them, and what one has that a user wrote.
@@ -160,8 +168,8 @@ impl ShaderSource {
         let mut text = models.text([&dispatch, &written]);
         for &model in models.models() {
             match self {
-                Self::Embedded => text += model.wgsl(),
                 Self::Folder(folder) => text += &std::fs::read_to_string(model_file(folder, model))?,
+                _ => text += model.wgsl(),
             }
         }
         Ok(text)
@@ -169,23 +177,17 @@ impl ShaderSource {
 
     /// Files to watch; none if embedded.
     pub fn files(&self) -> Vec<PathBuf> {
-        match self {
-            Self::Embedded => Vec::new(),
-            Self::Folder(folder) => {
-                let parts = PARTS.iter().map(|(name, _)| folder.join(name).with_extension("wgsl"));
-                parts.chain(BrdfModel::ALL.iter().map(|&model| model_file(folder, model))).collect()
-            }
-        }
+        let Self::Folder(folder) = self else { return Vec::new() };
+        let parts = PARTS.iter().map(|(name, _)| folder.join(name).with_extension("wgsl"));
+        parts.chain(BrdfModel::ALL.iter().map(|&model| model_file(folder, model))).collect()
     }
 
     fn part(&self, name: &str) -> std::io::Result<Cow<'static, str>> {
-        match self {
-            Self::Embedded => {
-                let part = PARTS.iter().find(|(n, _)| *n == name);
-                Ok(Cow::Borrowed(part.expect("programs name files that are embedded").1))
-            }
-            Self::Folder(folder) => std::fs::read_to_string(folder.join(name).with_extension("wgsl")).map(Cow::Owned),
+        if let Self::Folder(folder) = self {
+            return std::fs::read_to_string(folder.join(name).with_extension("wgsl")).map(Cow::Owned);
         }
+        let part = PARTS.iter().find(|(n, _)| *n == name);
+        Ok(Cow::Borrowed(part.expect("programs name files that are embedded").1))
     }
 }
 

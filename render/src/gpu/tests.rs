@@ -5,6 +5,7 @@ mod bounce;
 mod direct;
 mod emission;
 mod ground;
+mod inexact;
 mod kept;
 mod meshless;
 mod mirrors;

@@ -71,13 +71,18 @@ fn look(dataset: &Dataset, names: &[&str], bits: Bits) -> Appearance {
     Appearance { textures: fine_textures(bits), ..looks }
 }
 
+pub(super) fn look_of_all_maps(dataset: &Dataset) -> Appearance {
+    look(dataset, &ALL, Bits::Eight)
+}
+
+const ALL: [&str; 5] = ["base_color", "roughness", "metalness", "normal", "bump"];
+
 #[test]
 fn maps_are_filtered_as_on_the_cpu_alone_and_together_and_by_the_footprint_of_the_sample() {
     let Some(mut rig) = Rig::new(64) else { return };
     let dataset = rig.renderer.dataset().clone();
-    let all = ["base_color", "roughness", "metalness", "normal", "bump"];
-    let eight = [&all[..], &["base_color"], &["normal"], &["bump"]].map(|names| (names, Bits::Eight));
-    let sixteen = [&all[..], &["base_color"]].map(|names| (names, Bits::Sixteen));
+    let eight = [&ALL[..], &["base_color"], &["normal"], &["bump"]].map(|names| (names, Bits::Eight));
+    let sixteen = [&ALL[..], &["base_color"]].map(|names| (names, Bits::Sixteen));
     for (names, bits) in eight.into_iter().chain(sixteen) {
         rig.look(look(&dataset, names, bits));
         for mode in [ViewMode::Shaded, ViewMode::Normals, ViewMode::Albedo] {

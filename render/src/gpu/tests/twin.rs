@@ -1,6 +1,7 @@
 //! The shader and the CPU renderer on the same buffers: both shade the triangles and barycentric weights that the
 //! deferred pass wrote, and agree at every pixel, for every BRDF and mode. Each comparison has a negative control.
 
+use super::inexact;
 use crate::{
     Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
     View, ViewMode,
@@ -29,7 +30,12 @@ use std::sync::{Arc, MutexGuard};
 
 /// A backend within WebGPU's default limits; see [`on_adapter`].
 pub(in crate::gpu) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
-    on_adapter(|| GpuBackend::new(Room::Defaults, &ShaderSource::Embedded))
+    backend_of(&inexact::source())
+}
+
+/// A backend with these shaders.
+fn backend_of(source: &ShaderSource) -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
+    on_adapter(|| GpuBackend::new(Room::Defaults, source))
 }
 
 pub(super) fn noise(i: u32) -> u8 {
@@ -200,7 +206,11 @@ impl Rig {
     }
 
     pub fn of(dataset: Arc<Dataset>, illum_cut: u32) -> Option<Self> {
-        let (one, mut gpu) = backend()?;
+        Self::with(&inexact::source(), dataset, illum_cut)
+    }
+
+    pub fn with(source: &ShaderSource, dataset: Arc<Dataset>, illum_cut: u32) -> Option<Self> {
+        let (one, mut gpu) = backend_of(source)?;
         let renderer = Renderer::new(dataset);
         let lighting = Arc::new(renderer.lighting(&light(), illum_cut));
         gpu.set_scene(&renderer.dataset().clone().into()).unwrap();

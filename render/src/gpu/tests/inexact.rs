@@ -1,0 +1,113 @@
+//! Cards round divisions, roots and logarithms as they like, within some units in the last place: shaders whose results are off as much
+//! show the same pictures. The software adapter rounds correctly, so without these tests it would not find what a card would.
+//!
+//! `LAPIDARY_INEXACT=more` or `less` runs the other tests of the GPU with such shaders.
+
+use super::{
+    textures::look_of_all_maps,
+    twin::{Rig, agrees, difference, scene, view},
+};
+use crate::{BrdfSampling, ViewMode, gpu::ShaderSource};
+use naga::{
+    Expression, Function, Handle, MathFunction, Module, ScalarKind,
+    valid::{Capabilities, FunctionInfo, ValidationFlags, Validator},
+};
+
+/// Relative error of what is off: four times the spacing of floats around 1.
+const OFF: f32 = 1.0 / (1 << 21) as f32;
+
+/// The shaders that the environment asks for.
+pub fn source() -> ShaderSource {
+    match std::env::var("LAPIDARY_INEXACT").as_deref() {
+        Ok("more") => ShaderSource::Changed(more),
+        Ok("less") => ShaderSource::Changed(less),
+        _ => ShaderSource::Embedded,
+    }
+}
+
+/// All results somewhat larger.
+fn more(text: &str) -> String {
+    off_by(text, 1.0 + OFF)
+}
+
+/// All results somewhat smaller.
+fn less(text: &str) -> String {
+    off_by(text, 1.0 - OFF)
+}
+
+/// A program whose quotients, roots and logarithms of floats are multiplied by a factor.
+fn off_by(text: &str, factor: f32) -> String {
+    let module = naga::front::wgsl::parse_str(text).expect("a program that parses");
+    let validated = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module).expect("a valid one");
+    let functions = module.functions.iter().map(|(handle, function)| (function, &validated[handle]));
+    let entries = module.entry_points.iter().enumerate();
+    let entries = entries.map(|(i, entry)| (&entry.function, validated.get_entry_point(i)));
+    let mut inserted: Vec<(usize, String)> = Vec::new();
+    for (function, info) in functions.chain(entries) {
+        for (handle, expression) in function.expressions.iter().filter(|(handle, _)| is_float(&module, info, *handle)) {
+            inserted.extend(changes(text, function, handle, expression, factor));
+        }
+    }
+    inserted.sort();
+    inserted.dedup();
+    let mut changed = text.to_owned();
+    inserted.iter().rev().for_each(|(place, what)| changed.insert_str(*place, what));
+    changed
+}
+
+fn is_float(module: &Module, info: &FunctionInfo, handle: Handle<Expression>) -> bool {
+    info[handle].ty.inner_with(&module.types).scalar_kind() == Some(ScalarKind::Float)
+}
+
+/// What is inserted at places of the text for an expression.
+fn changes(
+    text: &str,
+    function: &Function,
+    handle: Handle<Expression>,
+    expression: &Expression,
+    factor: f32,
+) -> Vec<(usize, String)> {
+    let range = |handle| function.expressions.get_span(handle).to_range();
+    match *expression {
+        Expression::Binary { op: naga::BinaryOperator::Divide, left, right } => {
+            // The product of the dividend, since both operators bind from the left.
+            let between = range(left).zip(range(right)).map(|(left, right)| left.end..right.start);
+            let slash = between.and_then(|between| Some(between.start + text.get(between.clone())?.find(" / ")?));
+            slash.map(|slash| (slash, format!(" * {factor:?}"))).into_iter().collect()
+        }
+        Expression::Math { fun: MathFunction::Sqrt | MathFunction::InverseSqrt | MathFunction::Log2, .. } => {
+            let range = range(handle).expect("a place in the text");
+            vec![(range.start, format!("({factor:?} * ")), (range.end, ")".into())]
+        }
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn quotients_roots_and_logarithms_of_floats_are_off() {
+    let text = "fn f(a: f32, n: u32) -> f32 {\n    return sqrt(a) / (a + 1.0) + log2(a / 2.0) * f32(n / 2u);\n}\n";
+    let expected = "fn f(a: f32, n: u32) -> f32 {\n    return (1.5 * sqrt(a)) * 1.5 / (a + 1.0) + \
+                    (1.5 * log2(a * 1.5 / 2.0)) * f32(n / 2u);\n}\n";
+    assert_eq!(off_by(text, 1.5), expected);
+}
+
+/// A map's level as it was before it was bounded.
+fn less_without_a_bound(text: &str) -> String {
+    let bounded = "max(log2(max(width, long / count) / TEXELS_PER_WIDTH), 0.0)";
+    less(&text.replace(bounded, "log2(max(width, long / count) / TEXELS_PER_WIDTH)"))
+}
+
+#[test]
+fn filtered_maps_are_as_on_the_cpu_where_results_are_not_rounded_correctly() {
+    let changes: [(fn(&str) -> String, bool); 3] = [(more, true), (less, true), (less_without_a_bound, false)];
+    for (change, is_bounded) in changes {
+        let Some(mut rig) = Rig::with(&ShaderSource::Changed(change), scene(), 64) else { return };
+        let dataset = rig.renderer.dataset().clone();
+        rig.look(look_of_all_maps(&dataset));
+        for mode in [ViewMode::Shaded, ViewMode::Normals, ViewMode::Albedo] {
+            let [gpu, cpu] = rig.both(&view(mode), BrdfSampling::Refine);
+            let found = difference(&gpu, &cpu);
+            assert_eq!(agrees(&gpu, &cpu), is_bounded, "{mode:?} {found:?}, the last is the negative control");
+        }
+    }
+}
