@@ -46,13 +46,17 @@ fn fine_textures(bits: Bits) -> Vec<Arc<Texture>> {
 }
 
 fn look(dataset: &Dataset, names: &[&str], bits: Bits) -> Appearance {
+    scaled_look(dataset, names, bits, Vec2::new(0.9, 2.3))
+}
+
+fn scaled_look(dataset: &Dataset, names: &[&str], bits: Bits, scale: Vec2) -> Appearance {
     let slot = |texture: u32, color_space, channel, strength| TextureSlot {
         texture,
         wrap: [0, 1].map(|axis| Wrap::ALL[(texture as usize + axis) % 3]),
         color_space,
         channel,
         strength,
-        scale: Vec2::new(0.9, 2.3),
+        scale,
         offset: Vec2::new(0.3, -1.2),
         rotation: 0.4,
         flip_y: true,
@@ -71,8 +75,9 @@ fn look(dataset: &Dataset, names: &[&str], bits: Bits) -> Appearance {
     Appearance { textures: fine_textures(bits), ..looks }
 }
 
-pub(super) fn look_of_all_maps(dataset: &Dataset) -> Appearance {
-    look(dataset, &ALL, Bits::Eight)
+/// All maps, at this scale.
+pub(super) fn look_of_all_maps(dataset: &Dataset, scale: Vec2) -> Appearance {
+    scaled_look(dataset, &ALL, Bits::Eight, scale)
 }
 
 const ALL: [&str; 5] = ["base_color", "roughness", "metalness", "normal", "bump"];
