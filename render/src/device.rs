@@ -22,7 +22,7 @@ mod written;
 
 pub(crate) use adapter::{GpuDevice, is_emulated};
 pub use adapter::{Room, has_hardware};
-pub(crate) use bindings::{Binding, Bound, GroupLayout, Shaders, bind_groups, bound, module};
+pub(crate) use bindings::{Binding, Bound, GroupLayout, Shaders, bind_groups, bound, module_of};
 pub(crate) use buffers::{storage, uniform};
 pub use compute::{Compute, SharedDevice};
 pub(crate) use fans::GpuFans;

@@ -54,9 +54,10 @@ pub struct EvidenceArgs {
     #[arg(
         long,
         value_name = "PAPERS",
+        value_enum,
         value_delimiter = ',',
-        hide_default_value = true,
-        default_value = "cuts,meshless,wavelet,implicit"
+        default_values_t = Paper::value_variants().to_vec(),
+        hide_default_value = true
     )]
     papers: Vec<Paper>,
     /// Use few lights, vertices and pixels, to check in a minute that everything works; the figures mean little
@@ -77,6 +78,7 @@ impl EvidenceArgs {
             "fig7-*.png",
             "implicit-*.png",
             "functions-*.png",
+            "wavelet-*.png",
             "*-bounces.cuts",
             "*-functions.cuts",
         ];
@@ -116,6 +118,11 @@ pub fn run(args: &EvidenceArgs, console: Console) -> Result<Outcome> {
     let measurement = Measurement { scale, environment, papers, steps: &steps, out: &args.out };
     let cases = plans.into_iter().map(|plan| measurement.bake(plan)).collect::<Result<Vec<_>>>()?;
     measurement.figures(&cases, &mut notebook)?;
+    if notebook.is_empty() {
+        bail!(
+            "no scene has what these papers measure; give scenes with lamps, for the wavelet paper of quads, or other --papers"
+        );
+    }
     notebook.finish()?;
     console.summary(format_args!("{:.0} s; open {}", notebook.seconds(), args.out.join(notebook::PAGE).display()))?;
     Ok(Outcome::Done)
@@ -148,7 +155,7 @@ impl Measurement<'_> {
 
     /// All figures in the papers' order, each written before the next begins.
     fn figures(&self, cases: &[Case], notebook: &mut Notebook) -> Result<()> {
-        for paper in Paper::value_variants().iter().filter(|&&paper| self.has(&[paper])) {
+        for paper in Paper::value_variants().iter().filter(|paper| self.papers.contains(paper)) {
             match paper {
                 Paper::Cuts => self.figures_of_cuts(cases, notebook),
                 Paper::Meshless => functions::record(self, cases, notebook),

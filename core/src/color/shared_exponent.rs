@@ -1,7 +1,7 @@
 //! Colors with one exponent for three mantissas of nine bits, as textures of the format `rgb9e5` have them: four bytes, no sign, up
 //! to 65,408, to 1/512 of the brightest channel.
 
-use glam::{UVec3, Vec3};
+use glam::Vec3;
 
 /// Bits of a mantissa.
 const MANTISSA: u32 = 9;
@@ -20,8 +20,8 @@ pub fn encode(color: Vec3) -> u32 {
     let rounded = |exponent: i32| (color * power_of_two(MANTISSA as i32 - exponent)).to_array().map(nearest_integer);
     let fits = rounded(above).into_iter().all(|mantissa| mantissa < 1 << MANTISSA);
     let exponent = if fits { above } else { above + 1 };
-    let mantissas = UVec3::from(rounded(exponent));
-    mantissas.x | mantissas.y << MANTISSA | mantissas.z << (2 * MANTISSA) | ((exponent + BIAS) as u32) << (3 * MANTISSA)
+    let [x, y, z] = rounded(exponent);
+    x | y << MANTISSA | z << (2 * MANTISSA) | ((exponent + BIAS) as u32) << (3 * MANTISSA)
 }
 
 /// The nearest integer to a number of up to 2²², in fewer instructions than a conversion: adding 2²³ leaves no bit for less than 1.

@@ -18,16 +18,23 @@ pub struct Shaders {
     pub has_veils: bool,
 }
 
-/// The compiled text of a program.
-pub fn module(gpu: &GpuDevice, shaders: &Shaders, program: &Program) -> Result<wgpu::ShaderModule, BackendError> {
-    let text = shaders
-        .source
-        .text(program, &shaders.models)
-        .map_err(|e| BackendError::Driver(format!("shader {}: {e}", program.name)))?;
-    Ok(gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(program.name),
+impl Shaders {
+    /// The text of a program.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn text(&self, program: &Program) -> Result<String, BackendError> {
+        let text = self.source.text(program, &self.models);
+        text.map_err(|e| BackendError::Driver(format!("shader {}: {e}", program.name)))
+    }
+}
+
+/// A compiled text.
+pub fn module_of(gpu: &GpuDevice, name: &str, text: &str) -> wgpu::ShaderModule {
+    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
         source: wgpu::ShaderSource::Wgsl(text.into()),
-    }))
+    })
 }
 
 /// A kind of binding.

@@ -2,7 +2,7 @@
 
 use super::{
     adapter::GpuDevice,
-    bindings::{Shaders, module},
+    bindings::{Shaders, module_of},
     buffers::uniform,
     kernels::{KernelProgram, Slice},
     pace::Pace,
@@ -51,7 +51,7 @@ impl Kernel {
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
             layout: Some(&layout),
-            module: &module(gpu, shaders, program)?,
+            module: &module_of(gpu, program.name, &shaders.text(program)?),
             entry_point: None,
             compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             cache: None,

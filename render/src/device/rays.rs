@@ -3,7 +3,7 @@
 
 use super::{
     adapter::GpuDevice,
-    bindings::{GroupLayout, Shaders, module},
+    bindings::{GroupLayout, Shaders, module_of},
     buffers::{storage, uniform},
     compute::{Compute, SharedDevice},
     kernels::{Hierarchy, RAYS, RayWork},
@@ -134,7 +134,7 @@ pub(super) fn pipeline(
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(program.name),
         layout: Some(&layout),
-        module: &module(gpu, &Shaders::default(), program)?,
+        module: &module_of(gpu, program.name, &Shaders::default().text(program)?),
         entry_point: None,
         compilation_options: Default::default(),
         cache: None,

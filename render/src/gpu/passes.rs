@@ -6,14 +6,14 @@ use super::{
         PARAMETERS, PREDICT, SECOND_RAYS, SHADOW, SKETCH, SURFACE, VISIBILITY, WAVELET,
     },
     lit::LitKernels,
-    pipeline::{Compiled, Pass},
+    pipeline::{Pass, Text},
 };
 use crate::{
     device::{GpuDevice, Shaders},
     error::BackendError,
     stale::LightPart,
 };
-use std::collections::HashMap;
+use std::{cell::RefCell, collections::HashMap, sync::Arc};
 
 /// Specialization of the merge pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -60,32 +60,28 @@ pub struct Passes {
     pub predict: Pass,
     pub display: Pass,
     pub lit: LitKernels,
-    merge: Compiled,
+    merge: Arc<Text>,
     merges: HashMap<MergeVariant, Pass>,
+    /// All but the merge.
+    all: Vec<Pass>,
 }
 
 impl Passes {
-    /// Builds the passes from `shaders`, the merge in `variants`.
+    /// The passes from `shaders`.
     ///
     /// # Errors
-    /// A shader that cannot be read or does not compile, with the compiler's message.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders, variants: &[MergeVariant]) -> Result<Self, BackendError> {
-        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let mut passes = Self::build(gpu, shaders);
-        if let Ok(passes) = &mut passes {
-            variants.iter().for_each(|&variant| drop(passes.merge(gpu, variant)));
-        }
-        match pollster::block_on(scope.pop()) {
-            None => passes,
-            Some(error) => Err(BackendError::Driver(error.to_string())),
-        }
-    }
-
-    fn build(gpu: &GpuDevice, shaders: &Shaders) -> Result<Self, BackendError> {
-        let compiled = |entry: &'static Entry| Compiled::new(gpu, shaders, entry);
-        let pass = |entry, values: &[f64]| Ok::<_, BackendError>(compiled(entry)?.variant(gpu, values));
+    /// A shader that cannot be read.
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders) -> Result<Self, BackendError> {
+        let text = |entry: &'static Entry| Text::new(gpu, shaders, entry);
+        let all = RefCell::new(Vec::new());
+        let variant = |text: &Arc<Text>, values: &[f64]| {
+            let pass = text.variant(values);
+            all.borrow_mut().push(pass.clone());
+            pass
+        };
+        let pass = |entry, values: &[f64]| Ok::<_, BackendError>(variant(&text(entry)?, values));
         let has_veils = [f64::from(shaders.has_veils)];
-        let [sketch, mirror_rays] = [compiled(&SKETCH)?, compiled(&MIRROR_RAYS)?];
+        let [sketch, mirror_rays] = [text(&SKETCH)?, text(&MIRROR_RAYS)?];
         Ok(Self {
             visibility: pass(&VISIBILITY, &has_veils)?,
             surface: pass(&SURFACE, &[])?,
@@ -95,19 +91,36 @@ impl Passes {
             direct: pass(&DIRECT, &[])?,
             meshless: pass(&MESHLESS, &[])?,
             wavelet: pass(&WAVELET, &[])?,
-            mirror_rays: [0.0, 1.0].map(|is_second| mirror_rays.variant(gpu, &[is_second])),
+            mirror_rays: [0.0, 1.0].map(|is_second| variant(&mirror_rays, &[is_second])),
             second_rays: pass(&SECOND_RAYS, &[])?,
             mirrored_surface: pass(&MIRRORED_SURFACE, &has_veils)?,
             mirrors: pass(&MIRRORS, &[])?,
             keep: pass(&KEEP, &[])?,
-            sketch: [1.0, 0.0].map(|is_first| sketch.variant(gpu, &[is_first])),
+            sketch: [1.0, 0.0].map(|is_first| variant(&sketch, &[is_first])),
             history: pass(&HISTORY, &[])?,
             predict: pass(&PREDICT, &[])?,
             display: pass(&DISPLAY, &[])?,
             lit: LitKernels::new(gpu, shaders)?,
-            merge: compiled(&MERGE)?,
+            merge: text(&MERGE)?,
             merges: HashMap::new(),
+            all: all.into_inner(),
         })
+    }
+
+    /// Compiles all of them now, and the merge in `variants`.
+    ///
+    /// # Errors
+    /// A shader that does not compile, with the compiler's message.
+    pub fn compile(&mut self, gpu: &GpuDevice, variants: &[MergeVariant]) -> Result<(), BackendError> {
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let merges: Vec<Pass> = variants.iter().map(|&variant| self.merge(variant)).collect();
+        for pass in self.all.iter().chain(&merges) {
+            pass.pipeline();
+        }
+        match pollster::block_on(scope.pop()) {
+            None => Ok(()),
+            Some(error) => Err(BackendError::Driver(error.to_string())),
+        }
     }
 
     /// The variants of the merge that are in use.
@@ -115,10 +128,10 @@ impl Passes {
         self.merges.keys().copied().collect()
     }
 
-    /// A variant of the merge, built at its first use.
-    pub fn merge(&mut self, gpu: &GpuDevice, variant: MergeVariant) -> Pass {
-        let built = self.merges.entry(variant);
-        built.or_insert_with(|| self.merge.variant(gpu, &variant.values())).clone()
+    /// A variant of the merge.
+    pub fn merge(&mut self, variant: MergeVariant) -> Pass {
+        let Self { merge, merges, .. } = self;
+        merges.entry(variant).or_insert_with(|| merge.variant(&variant.values())).clone()
     }
 }
 

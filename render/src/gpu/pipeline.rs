@@ -2,36 +2,67 @@
 
 use super::{entries::Entry, targets::format};
 use crate::{
-    device::{GpuDevice, Shaders, module},
+    device::{GpuDevice, Shaders, module_of},
     error::BackendError,
 };
+use std::sync::{Arc, OnceLock};
 
-/// A pass with the text that it was compiled from, of which variants are built.
-pub struct Compiled {
+/// The text of a pass, of which variants are built.
+pub struct Text {
     entry: &'static Entry,
-    module: wgpu::ShaderModule,
+    text: String,
+    gpu: GpuDevice,
+    module: OnceLock<wgpu::ShaderModule>,
 }
 
-/// One variant of a pass.
+/// One variant of a pass, which is compiled at its first use: most pictures use few of the passes.
 #[derive(Clone)]
 pub struct Pass {
     pub label: &'static str,
-    pub pipeline: wgpu::RenderPipeline,
+    variant: Arc<Variant>,
 }
 
-impl Compiled {
-    /// Compiles the text of a pass.
+struct Variant {
+    text: Arc<Text>,
+    /// Of the constants of its entry.
+    values: Vec<f64>,
+    pipeline: OnceLock<wgpu::RenderPipeline>,
+}
+
+impl Text {
+    /// The text of a pass.
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders, entry: &'static Entry) -> Result<Self, BackendError> {
-        Ok(Self { entry, module: module(gpu, shaders, &entry.program)? })
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders, entry: &'static Entry) -> Result<Arc<Self>, BackendError> {
+        let text = shaders.text(&entry.program)?;
+        Ok(Self { entry, text, gpu: gpu.clone(), module: OnceLock::new() }.into())
     }
 
     /// The variant with these values of the constants of its entry.
-    pub fn variant(&self, gpu: &GpuDevice, values: &[f64]) -> Pass {
-        let Self { entry: Entry { program, groups, targets, has_depth, constants }, module } = self;
-        debug_assert_eq!(constants.len(), values.len(), "{}", program.name);
+    pub fn variant(self: &Arc<Self>, values: &[f64]) -> Pass {
+        let label = self.entry.program.name;
+        debug_assert_eq!(self.entry.constants.len(), values.len(), "{label}");
+        let variant = Variant { text: self.clone(), values: values.to_vec(), pipeline: OnceLock::new() };
+        Pass { label, variant: variant.into() }
+    }
+
+    fn module(&self) -> &wgpu::ShaderModule {
+        self.module.get_or_init(|| module_of(&self.gpu, self.entry.program.name, &self.text))
+    }
+}
+
+impl Pass {
+    /// Its pipeline; the device tells of a shader that does not compile.
+    pub fn pipeline(&self) -> &wgpu::RenderPipeline {
+        self.variant.pipeline.get_or_init(|| self.variant.build())
+    }
+}
+
+impl Variant {
+    fn build(&self) -> wgpu::RenderPipeline {
+        let (gpu, module) = (&self.text.gpu, self.text.module());
+        let Entry { program, groups, targets, has_depth, constants } = self.text.entry;
         let label = Some(program.name);
         let groups: Vec<_> = groups.iter().map(|group| Some(group.on(gpu))).collect();
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -42,8 +73,8 @@ impl Compiled {
         let target = |&format: &wgpu::TextureFormat| {
             Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL })
         };
-        let constants: Vec<_> = constants.iter().copied().zip(values.iter().copied()).collect();
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        let constants: Vec<_> = constants.iter().copied().zip(self.values.iter().copied()).collect();
+        gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label,
             layout: Some(&layout),
             vertex: wgpu::VertexState {
@@ -63,8 +94,7 @@ impl Compiled {
             }),
             multiview_mask: None,
             cache: None,
-        });
-        Pass { label: program.name, pipeline }
+        })
     }
 }
 

@@ -83,7 +83,7 @@ impl ShadowMaps {
             }),
             ..Default::default()
         });
-        drawing.set_pipeline(&pass.pipeline);
+        drawing.set_pipeline(pass.pipeline());
         for (i, group) in groups.into_iter().enumerate() {
             drawing.set_bind_group(i as u32, group, &[]);
         }

@@ -189,6 +189,29 @@ mod tests {
     }
 
     #[test]
+    fn every_node_of_a_tree_of_many_subtrees_sends_the_mean_of_its_sources() {
+        for count in [1, SUBTREE, 4 * SUBTREE] {
+            let at = |i: usize| Surfel { position: Vec3::X * i as f32, normal: Vec3::Y, ..Default::default() };
+            let sources: Vec<Source> = (0..count).map(|i| Source { surfel: at(i), area: 1.0, spacing: 1.0 }).collect();
+            let tree = SourceTree::new(&sources);
+            let times = |i: usize| (1 + i) as f32;
+            let sent = SentByDirection::new(&tree, |i| (Vec3::ONE, move |_| Vec3::splat(times(i))));
+            let mean = |node: usize| {
+                let of_each = count >> node.ilog2();
+                let first = (node * of_each) - count;
+                (first..first + of_each).map(times).sum::<f32>() / of_each as f32
+            };
+            for node in 1..2 * count {
+                let off = |expected: f32| (sent.toward(node, 37).x / expected - 1.0).abs();
+                assert!(off(mean(node)) < 1.0 / 256.0, "{node} of {count}");
+                let beside = mean(if node == 1 { 1 } else { node ^ 1 });
+                let is_alike = (beside / mean(node) - 1.0).abs() < 0.01;
+                assert!(is_alike || off(beside) > 1.0 / 256.0, "negative control, {node} of {count}");
+            }
+        }
+    }
+
+    #[test]
     fn eight_shares_are_those_of_one_also_from_the_middle_of_a_node() {
         let sent = back_to_back([Vec3::X, Vec3::ONE], [2.0, 0.7]);
         let mut directions = fibonacci_directions(799);

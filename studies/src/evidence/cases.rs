@@ -79,9 +79,9 @@ pub struct Case {
     pub name: String,
     /// The imported scene.
     pub scene: Scene,
-    /// Its bakes for distant light, unless it is closed.
+    /// Its bakes for distant light, unless it is closed or no paper needs them.
     pub environment: Option<Bakes>,
-    /// Its bake for the bounce of its local lights, if any.
+    /// Its bake for the bounce of its local lights, if it has any and a paper needs it.
     pub bounces: Option<Arc<Dataset>>,
     /// Its bake for their bounces in functions, of the scene and of its objects.
     pub functions: Option<Arc<Dataset>>,

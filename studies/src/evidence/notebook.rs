@@ -44,7 +44,7 @@ impl Head {
 struct Contents<'a> {
     #[serde(flatten)]
     head: &'a Head,
-    /// Whether all figures are present.
+    /// Whether all figures that were asked for are present.
     complete: bool,
     /// Wall-clock seconds so far.
     seconds: f64,
@@ -71,6 +71,11 @@ impl<'a> Notebook<'a> {
         let notebook = Self { out, head, start: Instant::now(), complete: false, figures, sections };
         notebook.write()?;
         Ok(notebook)
+    }
+
+    /// Whether it has no figure.
+    pub fn is_empty(&self) -> bool {
+        self.figures.is_empty()
     }
 
     /// Adds a figure: its name in the file of figures, its heading and markup on the page, and its numbers.

@@ -184,7 +184,7 @@ fn kept(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
 }
 
 fn bind(drawing: &mut wgpu::RenderPass, pass: &Pass, groups: &[&wgpu::BindGroup]) {
-    drawing.set_pipeline(&pass.pipeline);
+    drawing.set_pipeline(pass.pipeline());
     for (i, group) in groups.iter().enumerate() {
         drawing.set_bind_group(i as u32, *group, &[]);
     }

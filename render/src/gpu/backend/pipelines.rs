@@ -3,7 +3,7 @@
 use crate::{
     device::{GpuDevice, ShaderSource, Shaders, SharedDevice, layout},
     error::BackendError,
-    gpu::passes::Passes,
+    gpu::passes::{MergeVariant, Passes},
     measure::compare::map::magma_stops,
     remedy::Remedy,
     shade::mirrors::DEEPEST,
@@ -35,13 +35,13 @@ pub struct Uniforms {
 }
 
 impl Pipelines {
-    /// Compiles the passes.
+    /// Passes that are compiled at their first use.
     ///
     /// # Errors
-    /// A shader that cannot be read or does not compile.
+    /// A shader that cannot be read, or does not compile if it is one of a folder.
     pub fn new(device: SharedDevice, source: &ShaderSource) -> Result<Self, BackendError> {
         let shaders = Shaders { source: source.clone(), ..Default::default() };
-        let passes = Passes::new(&device.gpu, &shaders, &[])?;
+        let passes = compiled(&device.gpu, &shaders, &[])?;
         Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders })
     }
 
@@ -50,12 +50,12 @@ impl Pipelines {
         &self.device.gpu
     }
 
-    /// Compiles the passes anew, with the variants that are in use. If that fails, the previous ones stay.
+    /// Takes other shaders. If that fails, the previous ones stay.
     ///
     /// # Errors
-    /// A shader that cannot be read or does not compile.
+    /// As [`Self::new`].
     pub fn compile(&mut self, shaders: Shaders) -> Result<(), BackendError> {
-        self.passes = Passes::new(&self.device.gpu, &shaders, &self.passes.variants())?;
+        self.passes = compiled(&self.device.gpu, &shaders, &self.passes.variants())?;
         self.shaders = shaders;
         Ok(())
     }
@@ -80,6 +80,15 @@ impl Pipelines {
         let bytes = u64::from(size[0].next_multiple_of(256)) * u64::from(size[1]) * 16;
         gpu.within("the pixels of the picture", "bytes", bytes, gpu.limits.max_buffer_size, Remedy::SmallerPicture)
     }
+}
+
+/// Passes from some shaders. Those of a folder are being worked on: they are compiled now, so that errors are told at once.
+fn compiled(gpu: &GpuDevice, shaders: &Shaders, variants: &[MergeVariant]) -> Result<Passes, BackendError> {
+    let mut passes = Passes::new(gpu, shaders)?;
+    if let ShaderSource::Folder(_) = shaders.source {
+        passes.compile(gpu, variants)?;
+    }
+    Ok(passes)
 }
 
 impl Uniforms {

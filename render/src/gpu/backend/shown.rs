@@ -217,7 +217,7 @@ impl Shown {
         for (part, field, light) in self.merged(gpu) {
             let is_first = part == LightPart::Environment;
             let mut merge = |mirrors| {
-                let pass = passes.merge(gpu, self.merge_variant(field, is_first, sampling, mirrors));
+                let pass = passes.merge(self.merge_variant(field, is_first, sampling, mirrors));
                 PartPass { part, pass, light: light.clone() }
             };
             all.push(merge(has_mirrors));

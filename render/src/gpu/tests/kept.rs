@@ -1,17 +1,10 @@
 //! What edits leave of a picture, as on the CPU: see [`crate::lit_scene::edits`].
 
-use super::twin::backend;
-use crate::{
-    gpu::{GpuBackend, Room, ShaderSource},
-    lit_scene::edits,
-};
+use super::twin::{another, backend};
+use crate::lit_scene::edits;
 
 /// Share of samples at edges by which the rasterizer differs from rays.
 const EDGES: f64 = 0.02;
-
-fn another() -> GpuBackend {
-    GpuBackend::new(Room::Defaults, &ShaderSource::Embedded).expect("there was one before")
-}
 
 #[test]
 fn edits_shade_what_they_change() {

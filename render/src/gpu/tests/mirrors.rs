@@ -1,6 +1,6 @@
 //! What mirrors show, against the CPU.
 
-use super::twin::backend;
+use super::twin::{another, backend};
 use crate::{
     Appearance, Backend, Background, Baked, Components, CpuBackend, LitScene, Look, Solution, View,
     gpu::{GpuBackend, Room, ShaderSource},
@@ -14,10 +14,6 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{camera::Camera, image::Image};
 use std::{fs, path::Path};
-
-fn gpu() -> GpuBackend {
-    GpuBackend::new(Room::Defaults, &ShaderSource::Embedded).expect("there was one before")
-}
 
 fn shown(backend: impl Backend + 'static, baked: &Baked, look: &Look) -> Image {
     LitScene::new(Box::new(backend), baked.clone()).unwrap().show_whole(look).unwrap().image
@@ -47,13 +43,13 @@ fn mirrors_on_the_gpu_show_what_they_show_on_the_cpu() {
         let baked = Baked::from(mirror_under_plate(alpha));
         let look = base(&baked);
         let cpu = shown(CpuBackend::new(), &baked, &look);
-        let found = rel_rmse(&shown(gpu(), &baked, &look), &cpu);
+        let found = rel_rmse(&shown(another(), &baked, &look), &cpu);
         assert!(found < most, "{alpha}: {found}");
         let map = Look { view: View { mirrors: false, ..look.view.clone() }, ..look.clone() };
-        let without = rel_rmse(&shown(gpu(), &baked, &map), &cpu);
+        let without = rel_rmse(&shown(another(), &baked, &map), &cpu);
         assert!(without > 3.0 * most, "negative control: the map alone, {without}");
         let dark = Look { lights: [].into(), ..look };
-        let dark = rel_rmse(&shown(gpu(), &baked, &dark), &cpu);
+        let dark = rel_rmse(&shown(another(), &baked, &dark), &cpu);
         assert!(dark > 3.0 * most, "negative control: without the lamp on the plate, {dark}");
     }
 }
@@ -84,7 +80,7 @@ fn mirrors_in_mirrors_show_the_scene_on_the_gpu_too() {
         // A lamp would be a few bright dots in these mirrors.
         let look = Look { view, lights: [].into(), ..base(&baked) };
         let cpu = shown(CpuBackend::new(), &baked, &look);
-        let found = rel_rmse(&shown(gpu(), &baked, &look), &cpu);
+        let found = rel_rmse(&shown(another(), &baked, &look), &cpu);
         assert!(found < 0.03, "{alpha}: {found}");
         let rule =
             ["if is_catcher && (IS_SECOND || is_in_mirrors()) {", "if (is_catcher && IS_SECOND) || is_in_mirrors() {"];
@@ -102,7 +98,7 @@ fn cones_of_curved_mirrors_agree() {
     let illumination = illumination([256, 128], |x, y| Vec3::splat(if x / 3 == 30 && y / 3 == 7 { 5.5 } else { 0.2 }));
     let look = Look { view, illumination, lights: [].into(), ..base(&baked) };
     let cpu = shown(CpuBackend::new(), &baked, &look);
-    let found = rel_rmse(&shown(gpu(), &baked, &look), &cpu);
+    let found = rel_rmse(&shown(another(), &baked, &look), &cpu);
     assert!(found < 0.03, "{found}");
     let folder = tempfile::tempdir().unwrap();
     let bent = ["select(sums.x, -sums.x, (flags & FLAG_BACK) != 0u)", "-sums.x"];
@@ -113,7 +109,7 @@ fn cones_of_curved_mirrors_agree() {
 #[test]
 fn edits_reach_what_mirrors_show() {
     let Some(_one) = backend() else { return };
-    edits::edits_reach_what_mirrors_show(gpu);
+    edits::edits_reach_what_mirrors_show(another);
 }
 
 /// The display of the first of some samples.
@@ -137,7 +133,7 @@ fn reflections_of_one_sample_are_smooth_and_rest_is_as_rendered() {
     let Some(_one) = backend() else { return };
     let baked = Baked::from(mirror_under_plate(0.08));
     let look = base(&baked);
-    let [cpu, gpu] = [first_sample(CpuBackend::new(), &baked, &look, 4), first_sample(gpu(), &baked, &look, 4)];
+    let [cpu, gpu] = [first_sample(CpuBackend::new(), &baked, &look, 4), first_sample(another(), &baked, &look, 4)];
     let raw = first_sample(CpuBackend::new(), &baked, &look, 1);
     let found = apart(&cpu, &gpu);
     assert!(found < 0.5, "{found}");
@@ -162,10 +158,10 @@ fn mirrors_beside_bounced_light_agree() {
         let lights = [point_light(Vec3::new(-1.0, 1.4, 0.2), 3.0)].into();
         let look = Look { lights, components: Components::ALL, view, solution: Solution::Cuts, ..base(&baked) };
         let cpu = shown(CpuBackend::new(), &baked, &look);
-        let found = rel_rmse(&shown(gpu(), &baked, &look), &cpu);
+        let found = rel_rmse(&shown(another(), &baked, &look), &cpu);
         assert!(found < 0.04, "{alpha}: {found}");
         let map = Look { view: View { mirrors: false, ..look.view.clone() }, ..look };
-        let without = rel_rmse(&shown(gpu(), &baked, &map), &cpu);
+        let without = rel_rmse(&shown(another(), &baked, &map), &cpu);
         assert!(without > 2.0 * found, "negative control: mirrors as baked, {without} for {found}");
     }
 }

@@ -33,6 +33,11 @@ pub(in crate::gpu) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)>
     backend_of(&inexact::source())
 }
 
+/// Another backend, where one is held.
+pub(super) fn another() -> GpuBackend {
+    GpuBackend::new(Room::Defaults, &inexact::source()).expect("there was one before")
+}
+
 /// A backend with these shaders.
 fn backend_of(source: &ShaderSource) -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
     on_adapter(|| GpuBackend::new(Room::Defaults, source))
@@ -45,7 +50,7 @@ pub(super) fn noise(i: u32) -> u8 {
 fn textures() -> Vec<Arc<Texture>> {
     let texture = |name: &str, size: [u32; 2], texels| Arc::new(Texture::new(name, size, texels));
     let codes = |n: u32| (0..n).map(|i| std::array::from_fn(|c| noise(4 * i + c as u32))).collect();
-    // Roughness is at least 0.2: lobes magnify what rounding does to directions by the inverse of their width.
+    // At least 0.2, for roughness: lobes magnify what rounding does to directions by the inverse of their width.
     let floats = |n: u32| (0..n).map(|i| [0.2 + 0.8 * f32::from(noise(i)) / 255.0; 4]).collect();
     vec![
         texture("codes", [7, 5], Texels::U8(codes(35))),

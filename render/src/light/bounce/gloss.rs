@@ -130,9 +130,8 @@ impl Lit<'_> {
     fn sent(&self, lamps: &[LampLight], rig: &SourceRig) -> SentByDirection {
         let surfaces = Surfaces::of(self);
         let ratios = vec![[Vec3::ONE; KNOTS.len()]; self.rig.groups.all().len()];
-        let mut by_direction = ByDirection { lamps: Vec::new(), ratios };
+        let mut by_direction = ByDirection { lamps: self.lamps(lamps, &surfaces), ratios };
         let as_diffuse = self.arriving_of_diffuse();
-        by_direction.lamps = self.lamps(lamps, &surfaces);
         for _ in 0..GATHERS {
             let arriving = self.arriving(&by_direction);
             let ratios = (&arriving, &as_diffuse, &surfaces.of_groups).into_par_iter();
@@ -203,10 +202,10 @@ impl Lit<'_> {
     }
 
     /// Radiance of a source toward each knot.
-    fn toward<'a>(&'a self, sent: &'a ByDirection, source: usize) -> impl Fn(usize) -> Vec3 + 'a {
+    fn toward(&self, sent: &ByDirection, source: usize) -> impl Fn(usize) -> Vec3 {
         let DiffuseParts { lamps, rest, emitted } = &self.parts;
         let (lamps, rest, emitted) = (lamps[source], rest[source], emitted[source]);
-        let of_lamps = sent.lamps.get(source).and_then(Option::as_ref);
+        let of_lamps = sent.lamps[source].as_ref();
         let ratios = &sent.ratios[self.rig.groups.of_sources()[source] as usize];
         move |knot| of_lamps.map_or(lamps, |toward| toward[knot]) + rest * ratios[knot] + emitted
     }

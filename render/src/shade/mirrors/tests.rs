@@ -172,7 +172,8 @@ fn cones_are_as_wide_as_the_rays_of_neighboring_samples_are_apart() {
 }
 
 /// The floor mirrors the ball, and in it a small lamp of the map, a texel, which no other way leads to the eye. The cones of 16 samples are
-/// twice and four times as wide: they find it as four and 16 times as many narrow rays would, and the error falls by the root of that.
+/// twice, then four times as wide as the lamp. They find it as four, or 16, times as many narrow rays would: errors are a half, or a
+/// quarter, and the bounds are between these and 1.
 #[test]
 fn a_small_light_in_a_curved_mirror_in_a_mirror_is_no_dot() {
     let renderer = Renderer::new(mirror_under_ball(0.0025));
