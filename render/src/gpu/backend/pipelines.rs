@@ -1,7 +1,7 @@
 //! What draws: it changes only when shaders are compiled anew.
 
 use crate::{
-    device::{GpuDevice, ShaderSource, Shaders, SharedDevice, layout},
+    device::{GpuDevice, ShaderSource, Shaders, SharedDevice, is_emulated, layout},
     error::BackendError,
     gpu::passes::{MergeVariant, Passes},
     measure::compare::map::magma_stops,
@@ -41,7 +41,8 @@ impl Pipelines {
     /// A shader that cannot be read, or does not compile if it is one of a folder.
     pub fn new(device: SharedDevice, source: &ShaderSource) -> Result<Self, BackendError> {
         let shaders = Shaders { source: source.clone(), ..Default::default() };
-        let passes = compiled(&device.gpu, &shaders, &[])?;
+        let is_edited = matches!(source, ShaderSource::Folder(_));
+        let passes = passes(&device.gpu, &shaders, is_edited.then_some(&[]))?;
         Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders })
     }
 
@@ -50,12 +51,15 @@ impl Pipelines {
         &self.device.gpu
     }
 
-    /// Takes other shaders. If that fails, the previous ones stay.
+    /// Takes other shaders. If that fails, the previous ones stay. What draws by itself compiles them now, so that no first lamp or
+    /// orbit waits; an adapter that is emulated has better use for the cores.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// A shader that cannot be read, or does not compile.
     pub fn compile(&mut self, shaders: Shaders) -> Result<(), BackendError> {
-        self.passes = compiled(&self.device.gpu, &shaders, &self.passes.variants())?;
+        let (gpu, variants) = (&self.device.gpu, self.passes.variants());
+        let is_edited = matches!(shaders.source, ShaderSource::Folder(_));
+        self.passes = passes(gpu, &shaders, (is_edited || !is_emulated(&gpu.info)).then_some(&variants))?;
         self.shaders = shaders;
         Ok(())
     }
@@ -82,12 +86,11 @@ impl Pipelines {
     }
 }
 
-/// Passes from some shaders. Those of a folder are being worked on: they are compiled now, so that errors are told at once.
-fn compiled(gpu: &GpuDevice, shaders: &Shaders, variants: &[MergeVariant]) -> Result<Passes, BackendError> {
+/// Passes from some shaders, compiled now with some variants of the merge, or at their first use. Shaders of a folder are being worked on:
+/// errors in them are told at once.
+fn passes(gpu: &GpuDevice, shaders: &Shaders, now: Option<&[MergeVariant]>) -> Result<Passes, BackendError> {
     let mut passes = Passes::new(gpu, shaders)?;
-    if let ShaderSource::Folder(_) = shaders.source {
-        passes.compile(gpu, variants)?;
-    }
+    now.map_or(Ok(()), |variants| passes.compile(gpu, variants))?;
     Ok(passes)
 }
 
