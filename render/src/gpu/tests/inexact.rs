@@ -28,6 +28,9 @@ pub fn source() -> ShaderSource {
     }
 }
 
+/// What becomes of a program's text.
+type Change = fn(&str) -> String;
+
 /// All results somewhat larger.
 fn more(text: &str) -> String {
     off_by(text, 1.0 + OFF)
@@ -128,7 +131,7 @@ const MANY_ALONG_ONE_AXIS: Vec2 = Vec2::new(0.9, 0.05);
 
 #[test]
 fn filtered_maps_are_as_on_the_cpu_where_results_are_not_rounded_correctly() {
-    let changes: [(fn(&str) -> String, bool); 3] = [(more, true), (less, true), (less_without_a_bound, false)];
+    let changes: [(Change, bool); 3] = [(more, true), (less, true), (less_without_a_bound, false)];
     for (change, is_bounded) in changes {
         let Some(mut rig) = Rig::with(&ShaderSource::Changed(change), scene(), 64) else { return };
         let dataset = rig.renderer.dataset().clone();

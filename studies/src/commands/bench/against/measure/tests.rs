@@ -38,7 +38,7 @@ case "$*" in
     *bake*) : > "$5";;
     *--drag*) echo '{{"details": [{{"light_milliseconds": {total}, "sketch_milliseconds": 1}}]}}';;
     *--edits*) echo '{{"edit": {sketched}, "orbit": {sketched}, "turned": {turned}}}';;
-    bench*) echo '{{"runs": [{{"milliseconds": {{"total": {total}}}}}], "rotation_milliseconds": {total}}}';;
+    bench*) echo '{{"runs": [{{"milliseconds": {{"total": {total}}}}}], "rotation_milliseconds": {total}, "light_moved_milliseconds": {total}}}';;
     edit*) echo "error: no window" >&2; exit 1;;
 esac
 "#
