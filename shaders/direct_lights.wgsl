@@ -6,7 +6,7 @@ struct LocalLight {
     emission: u32,
     // Unit direction from position to target.
     forward: vec3<f32>,
-    // The light's first shadow map, or NO_SHADOW.
+    // The light's first shadow map, for directional lights their number among those with rays; or NO_SHADOW.
     first_view: u32,
     // W/sr, W/m2 for parallel light, W/(m2 sr) for rectangles.
     intensity: vec3<f32>,
@@ -77,10 +77,7 @@ fn disc_sine(light: LocalLight) -> f32 {
 }
 
 fn sample_disc(light: LocalLight, u: vec2<f32>) -> LightSample {
-    let at = concentric(2.0 * u - 1.0);
-    let height = dot(at, at) * light.area;
-    let spread = sqrt(max(light.area * (2.0 - height), 0.0));
-    let direction = (light.half_width * at.x + light.half_height * at.y) * spread - light.forward * (1.0 - height);
+    let direction = direction_in(-light.forward, light.half_width, light.half_height, light.area, u);
     return LightSample(direction, light.intensity * (2.0 / (2.0 - light.area)));
 }
 

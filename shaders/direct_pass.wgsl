@@ -4,24 +4,26 @@
 // the picture's jitter. A sample off center reads the map where its ray passes the blockers, whose distance is estimated first
 // (after Fernando 2005). So shadows are as soft as with maps at all samples.
 //
-// A disc of directions has DISC_STEPS squared samples and one shadow map from its center. A sample off center reads the map where
-// its ray passes the blockers.
+// Directional lights have rays of their own, see suns_pass.wgsl.
+
+@group(2) @binding(3) var suns_seen: texture_2d<u32>;
 
 const RECTANGLE_DETAIL: u32 = 2u;
-// As on the CPU.
-const DISC_STEPS: u32 = 4u;
-// Steps to each side in the search for blockers of a disc.
-const DISC_SEARCH: i32 = 2;
 // Radius of the search for blockers: a cell and a half finds blockers less than three times as far from the receiver as from the
 // light.
 const SEARCH_RADIUS: f32 = 1.5;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let begun = begin(vec2<u32>(position.xy) * frame.stride);
+// Rays to suns that meet nothing, 16 bits each; and the offset of these rays in their cells.
+var<private> open_suns: vec4<u32>;
+var<private> sun_shift: vec2<f32>;
+
+fn written_at(texel: vec2<u32>) -> Sums {
+    let begun = begin(texel * frame.stride);
     if !begun.has_surface {
         return without_surface(begun, vec3(0.0));
     }
+    open_suns = textureLoad(suns_seen, texel, 0);
+    sun_shift = shift_of_rays(picture_pixel(begun.pixel));
     var point = begun_point(begun);
     // Twin of `SurfacePoint::within_cone`.
     point.slopes += vec3(point.by_cone, 0.0, point.by_cone);
@@ -41,8 +43,8 @@ fn light_from(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
         }
         return sum;
     }
-    if is_disc(light) {
-        return light_from_disc(point, light);
+    if light.emission == EMISSION_DIRECTIONAL {
+        return light_from_sun(point, light);
     }
     sum = reflected(point, sample_light(light, point.position, vec2(0.5)), 0.0);
     if casts_shadow(light) && any(sum > vec3(0.0)) {
@@ -125,59 +127,32 @@ fn reflected(point: SurfacePoint, sample: LightSample, inv_kappa: f32) -> vec3<f
     return brdf_cos(point.brdf, wi, point.wo, inv_kappa, point.slopes) * sample.irradiance;
 }
 
-fn light_from_disc(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
+// Of directional light, what arrives along the rays that meet nothing.
+fn light_from_sun(point: SurfacePoint, light: LocalLight) -> vec3<f32> {
+    let open = open_rays_to(light);
+    if !is_disc(light) {
+        let share = f32(countOneBits(open)) / f32(RAYS_OF_SUN);
+        return reflected(point, sample_light(light, point.position, vec2(0.5)), 0.0) * share;
+    }
     if !(disc_may_be_above(light, point.smooth_normal) && disc_may_be_above(light, point.world_from_local[2])) {
         return vec3(0.0);
     }
-    let samples = DISC_STEPS * DISC_STEPS;
     // A cap has a mean resultant of one minus half its height; 1 / kappa tends to its difference from one.
-    let inv_kappa = 0.5 * light.area / f32(samples);
-    var gap = 0.0;
-    var visibility = 1.0;
-    if casts_shadow(light) {
-        gap = mean_gap(point, light);
-        visibility = visibility_at(point.position, point.face_normal, light, 0u);
-    }
+    let inv_kappa = 0.5 * light.area / f32(RAYS_OF_SUN);
     var sum = vec3(0.0);
-    for (var i = 0u; i < samples; i++) {
-        let u = (vec2<f32>(vec2(i % DISC_STEPS, i / DISC_STEPS)) + frame.pixel_offset) / f32(DISC_STEPS);
-        let sample = sample_light(light, point.position, u);
-        let value = reflected(point, sample, inv_kappa);
-        if gap > 0.0 && any(value > vec3(0.0)) {
-            let at = passing(point, light, (sample.direction + light.forward) * gap);
-            visibility = visibility_at(at, point.face_normal, light, 0u);
-        }
-        sum += value * visibility;
-    }
-    return sum / f32(samples);
-}
-
-// Mean distance in meters along parallel light from surrounding blockers to the receiver; 0 without any. Blockers lie in the cone
-// of the disc, up to where it leaves the scene.
-fn mean_gap(point: SurfacePoint, light: LocalLight) -> f32 {
-    let view = shadow_views[light.first_view];
-    let way = dot(view.forward, point.position - view.origin);
-    let radius = way * disc_sine(light) / f32(DISC_SEARCH);
-    var sum = 0.0;
-    var count = 0.0;
-    for (var y = -DISC_SEARCH; y <= DISC_SEARCH; y++) {
-        for (var x = -DISC_SEARCH; x <= DISC_SEARCH; x++) {
-            let shift = (light.half_width * f32(x) + light.half_height * f32(y)) * radius;
-            let gap = shadow_gap(light.first_view, passing(point, light, shift), point.face_normal);
-            sum += gap;
-            count += select(0.0, 1.0, gap > 0.0);
+    for (var i = 0u; i < RAYS_OF_SUN; i++) {
+        if (open >> i & 1u) != 0u {
+            sum += reflected(point, sample_light(light, point.position, place_of_ray(i, sun_shift)), inv_kappa);
         }
     }
-    return sum / max(count, 1.0);
+    return sum / f32(RAYS_OF_SUN);
 }
 
-// The point of the receiver's plane hit by parallel light that passes the receiver at distance `shift`.
-fn passing(point: SurfacePoint, light: LocalLight, shift: vec3<f32>) -> vec3<f32> {
-    let n = point.face_normal;
-    let along = dot(n, shift) / dot(n, light.forward);
-    let at = point.position + shift - light.forward * along;
-    // In grazing light the surface's plane reaches farther than the surface.
-    return select(point.position, at, abs(along) < 4.0 * length(shift));
+fn open_rays_to(light: LocalLight) -> u32 {
+    if !casts_shadow(light) {
+        return ALL_RAYS;
+    }
+    return open_suns[light.first_view / 2u] >> (16u * (light.first_view % 2u)) & ALL_RAYS;
 }
 
 fn visibility_at(position: vec3<f32>, normal: vec3<f32>, light: LocalLight, cell: u32) -> f32 {

@@ -6,9 +6,7 @@
 // Sets of the samples' materials and patches.
 @group(2) @binding(2) var marks: texture_2d<u32>;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Past {
-    let pixel = vec2<u32>(position.xy);
+fn written_at(pixel: vec2<u32>) -> Past {
     let g = textureLoad(geometry, pixel, 0);
     let sums = previous_sums(pixel);
     if !is_surface(g) || !sees_one_surface(sums.work, textureLoad(marks, pixel, 0)) {

@@ -9,11 +9,10 @@
 // The distant lights' map, an atlas of its levels.
 @group(3) @binding(6) var mirrored_map: texture_2d<f32>;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
+fn written_at(texel: vec2<u32>) -> Sums {
     // Its start and its ends are written out, as they were when it took 183 ms on an H200; a start and an end that passes share
     // took 231 ms there.
-    let pixel = vec2<u32>(position.xy) * frame.stride;
+    let pixel = texel * frame.stride;
     let sums = previous_sums(pixel);
     if !lacks_sample(sums) {
         return sums;

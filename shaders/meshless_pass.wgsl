@@ -69,9 +69,8 @@ var<private> first_key: u32 = 0u;
 @group(3) @binding(5) var environment_map: texture_2d<f32>;
 @group(3) @binding(6) var mirrored_map: texture_2d<f32>;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let begun = begin(vec2<u32>(position.xy) * frame.stride);
+fn written_at(texel: vec2<u32>) -> Sums {
+    let begun = begin(texel * frame.stride);
     if !begun.has_surface {
         return without_surface(begun, vec3(0.0));
     }

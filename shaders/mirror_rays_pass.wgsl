@@ -19,9 +19,8 @@ const NO_RAY: MirrorRay = MirrorRay(vec4<f32>(0.0), vec4<f32>(0.0));
 const LUMINANCE: vec3<f32> = vec3<f32>(0.2126, 0.7152, 0.0722);
 const TAU: f32 = 6.2831855;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> MirrorRay {
-    let begun = begin(vec2<u32>(position.xy) * frame.stride);
+fn written_at(texel: vec2<u32>) -> MirrorRay {
+    let begun = begin(texel * frame.stride);
     if !begun.has_surface {
         return NO_RAY;
     }
@@ -100,15 +99,4 @@ fn drawn_ray(mirror: Mirror, other: Mirror, point: SurfacePoint, shift: vec2<f32
 // Lobe by lobe: evenly spread numbers then choose each lobe as often as its share says.
 fn by_lobes(mirror: Mirror, index: u32) -> u32 {
     return index % MIRROR_SAMPLES * mirror.count + index / MIRROR_SAMPLES;
-}
-
-// Where a pixel's rays are in the unit square. Twin of `ray_shift` in render/src/shade/direct.rs.
-fn ray_shift(pixel: vec2<u32>, sample: u32) -> vec2<f32> {
-    let p = vec2<f32>(pixel);
-    let start = vec2(gradient_noise(p), gradient_noise(vec2(p.y + 37.0, p.x + 91.0)));
-    return fract(start + vec2(0.75487767, 0.5698403) * f32(sample));
-}
-
-fn gradient_noise(p: vec2<f32>) -> f32 {
-    return fract(52.982918 * fract(0.06711056 * p.x + 0.00583715 * p.y));
 }

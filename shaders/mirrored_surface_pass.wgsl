@@ -25,27 +25,16 @@ struct MirroredScene {
 // Thin surfaces and hidden grounds that a ray may pass.
 const MOST_PASSED: u32 = 16u;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Surface {
-    let at = vec2<u32>(position.xy);
+fn written_at(at: vec2<u32>) -> Surface {
     let ray = textureLoad(mirror_rays, at, 0);
     if ray.w == 0.0 {
         return NO_SURFACE;
     }
     let pixel = at * frame.stride;
     let seen = textureLoad(geometry, pixel, 0);
-    let corners_of = vertices_of(seen.x - 1u);
-    let bc = bitcast<vec2<f32>>(seen.yz);
-    let side = select(1.0, -1.0, (seen.w & FLAG_BACK) != 0u);
-    let a = vertices[corners_of.x].position;
-    let b = vertices[corners_of.y].position;
-    let c = vertices[corners_of.z].position;
-    let normal = normalize_or(cross(b - a, c - a) * side, ray.xyz);
-    let edge = (distance(a, b) + distance(b, c) + distance(c, a)) / 3.0;
-    let offset = clamp(OF_EDGE * edge, OF_EDGE * mirrored.largest_offset, mirrored.largest_offset);
-    let origin = interpolated_position(corners_of, vec3(1.0 - bc.x - bc.y, bc)) + normal * offset;
-    let direction = above(normal, ray.xyz);
-    let hit = mirrored_hit(origin, direction, pixel);
+    let start = ray_start(seen, ray.xyz, mirrored.largest_offset);
+    let direction = above(start.normal, ray.xyz);
+    let hit = mirrored_hit(start.origin, direction, pixel);
     if hit.triangle == 0u {
         return NO_SURFACE;
     }
@@ -57,13 +46,6 @@ fn fragment(@builtin(position) position: vec4<f32>) -> Surface {
 }
 
 const OF_MIRRORS: u32 = 0x5bd10000u;
-
-// See core/src/offset.rs.
-const OF_EDGE: f32 = 0.02;
-
-fn vertices_of(triangle: u32) -> vec3<u32> {
-    return triangles[triangle].vertices;
-}
 
 // A direction, bent just enough to leave a face. Twin of `above` in render/src/shade/mirrors.rs.
 fn above(normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
@@ -95,16 +77,4 @@ fn mirrored_hit(origin: vec3<f32>, direction: vec3<f32>, pixel: vec2<u32>) -> Fi
         passed += hit.distance * (1.0 + 1e-5) + 0.01 * mirrored.largest_offset;
     }
     return NO_HIT;
-}
-
-// Both sets of texture coordinates.
-fn uvs_at(triangle: u32, bc: vec2<f32>) -> vec4<f32> {
-    let corners = vertices_of(triangle);
-    let b = vec3(1.0 - bc.x - bc.y, bc);
-    let first = corner_uvs(corners, FIRST_UVS);
-    let second = corner_uvs(corners, SECOND_UVS);
-    return vec4(
-        first[0] * b.x + first[1] * b.y + first[2] * b.z,
-        second[0] * b.x + second[1] * b.y + second[2] * b.z,
-    );
 }

@@ -14,9 +14,7 @@
 @group(3) @binding(5) var environment_map: texture_2d<f32>;
 @group(3) @binding(6) var mirrored_map: texture_2d<f32>;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let at = vec2<u32>(position.xy);
+fn written_at(at: vec2<u32>) -> Sums {
     let begun = begin(at * frame.stride);
     if !begun.has_surface {
         return without_surface(begun, vec3(0.0));

@@ -6,9 +6,7 @@
 // Directions along which mirrors see their points.
 @group(2) @binding(2) var mirror_rays: texture_2d<f32>;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = vec2<u32>(position.xy);
+fn written_at(pixel: vec2<u32>) -> vec4<f32> {
     let g = textureLoad(geometry, pixel, 0);
     if g.x == 0u {
         return vec4(0.0);

@@ -12,14 +12,13 @@ struct PastUniforms {
     size: vec2<u32>,
 }
 
-@group(2) @binding(0) var<uniform> past: PastUniforms;
+// Not a uniform: Mesa 22.3 fails on it in a kernel.
+@group(2) @binding(0) var<storage, read> past: PastUniforms;
 @group(2) @binding(1) var past_value: texture_2d<f32>;
 @group(2) @binding(2) var past_place: texture_2d<u32>;
 
 // Radiance over albedo, and 1 if the last picture gives a value.
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = vec2<u32>(position.xy);
+fn written_at(pixel: vec2<u32>) -> vec4<f32> {
     let g = textureLoad(geometry, pixel, 0);
     if !is_surface(g) {
         return vec4(0.0);

@@ -6,9 +6,7 @@
 @group(2) @binding(1) var mirrored_value: texture_2d<f32>;
 @group(2) @binding(2) var mirrored_geometry: texture_2d<u32>;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let at = vec2<u32>(position.xy);
+fn written_at(at: vec2<u32>) -> vec4<f32> {
     if textureLoad(mirrored_geometry, at, 0).x == 0u {
         return vec4(0.0);
     }

@@ -2,15 +2,15 @@
 
 struct ShadowView {
     origin: vec3<f32>,
-    // Perspective: the distance of depth 1 in meters, with 0 at infinity. Parallel: the decrease of depth per meter.
+    // The distance of depth 1 in meters; depth is 0 at infinity.
     depth_scale: f32,
     right: vec3<f32>,
-    // Perspective: tangent of half the angle of view; parallel: half the width in meters.
+    // Tangent of half the angle of view.
     half_width: f32,
     up: vec3<f32>,
     half_height: f32,
     forward: vec3<f32>,
-    is_parallel: u32,
+    padding: u32,
 }
 
 @group(2) @binding(0) var<storage, read> shadow_views: array<ShadowView>;
@@ -22,8 +22,5 @@ fn shadow_local(view: ShadowView, v: vec3<f32>) -> vec3<f32> {
 
 fn shadow_clip(view: ShadowView, local: vec3<f32>) -> vec4<f32> {
     let xy = local.xy / vec2(view.half_width, view.half_height);
-    if view.is_parallel != 0u {
-        return vec4(xy, 1.0 - local.z * view.depth_scale, 1.0);
-    }
     return vec4(xy, view.depth_scale, local.z);
 }

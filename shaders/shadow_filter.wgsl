@@ -25,21 +25,16 @@ struct Receiver {
 }
 
 fn shadow_receiver(view: ShadowView, local: vec3<f32>, n: vec3<f32>, facing: f32, size: f32) -> Receiver {
-    let is_parallel = view.is_parallel != 0u;
     let half = vec2(view.half_width, view.half_height);
     let clip = shadow_clip(view, local);
     let depth = clip.z / clip.w;
-    let cos = facing / select(length(local), 1.0, is_parallel);
+    let cos = facing / length(local);
     let tangent = sqrt(max(1.0 - cos * cos, 0.0)) / cos;
-    let reach = KERNEL_RADIUS * 2.0 * max(half.x, half.y) * select(local.z, 1.0, is_parallel) / size;
+    let reach = KERNEL_RADIUS * 2.0 * max(half.x, half.y) * local.z / size;
     let before = reach * (1.0 + min(tangent, STEEPEST));
     let behind = reach * STEEPEST;
-    var nearer = depth + before * view.depth_scale;
-    var farther = depth - behind * view.depth_scale;
-    if !is_parallel {
-        nearer = view.depth_scale / (local.z - min(before, 0.5 * local.z));
-        farther = view.depth_scale / (local.z + behind);
-    }
+    let nearer = view.depth_scale / (local.z - min(before, 0.5 * local.z));
+    let farther = view.depth_scale / (local.z + behind);
     return Receiver(clip.xy / clip.w, depth, -view.depth_scale / facing * n.xy * half, farther, nearer - depth);
 }
 
@@ -53,7 +48,7 @@ struct Faced {
 fn shadow_faced(view: ShadowView, position: vec3<f32>, normal: vec3<f32>) -> Faced {
     let local = shadow_local(view, position - view.origin);
     let n = shadow_local(view, normal);
-    return Faced(local, n, -select(dot(n, local), n.z, view.is_parallel != 0u));
+    return Faced(local, n, -dot(n, local));
 }
 
 // Visible fraction of a view's light at a face with this normal, 0 to 1.
@@ -95,12 +90,6 @@ fn shadow_overhang(index: u32, position: vec3<f32>, normal: vec3<f32>) -> Overha
 fn shadow_blocker(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let seen = shadow_overhang(index, position, normal);
     return select(0.0, seen.blocker / seen.receiver - 1.0, seen.blocker > 0.0);
-}
-
-// Distance in meters along parallel light from the first blocker to the receiver, 0 without one.
-fn shadow_gap(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
-    let seen = shadow_overhang(index, position, normal);
-    return select(0.0, (seen.blocker - seen.plane) / shadow_views[index].depth_scale, seen.blocker > 0.0);
 }
 
 // Position in texels; integers are texel centers.

@@ -12,9 +12,8 @@
 // Weight of another material if nothing fits.
 const OTHER: f32 = 1e-3;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Sums {
-    let begun = begin(vec2<u32>(position.xy));
+fn written_at(texel: vec2<u32>) -> Sums {
+    let begun = begin(texel);
     if !begun.has_surface {
         return with_background(begun, ray(begun.pixel, PINHOLE).direction);
     }

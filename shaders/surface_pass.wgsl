@@ -2,9 +2,7 @@
 
 @group(2) @binding(0) var triangle_ids: texture_2d<u32>;
 
-@fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> Surface {
-    let pixel = vec2<u32>(position.xy);
+fn written_at(pixel: vec2<u32>) -> Surface {
     let id = textureLoad(triangle_ids, pixel, 0).x;
     if id == 0u {
         return NO_SURFACE;

@@ -63,22 +63,37 @@ fn inverse_of(direction: vec3<f32>) -> vec3<f32> {
 
 // Whether a ray hits anything.
 fn is_occluded(origin: vec3<f32>, direction: vec3<f32>) -> bool {
+    return occluder(origin, direction) != NO_NODE;
+}
+
+const NO_NODE: u32 = 0xffffffffu;
+
+// Whether a ray hits a triangle of a leaf.
+fn hits_leaf(leaf: u32, origin: vec3<f32>, direction: vec3<f32>) -> bool {
+    let first = nodes[leaf].first;
+    for (var i = 0u; i < nodes[leaf].triangles; i++) {
+        if crosses(crossing(first + i, origin, direction)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// A leaf with a triangle that a ray hits, or NO_NODE.
+fn occluder(origin: vec3<f32>, direction: vec3<f32>) -> u32 {
     let inverse = inverse_of(direction);
     var waiting: array<u32, MOST_LEVELS>;
     var count = 0u;
     var node = 0u;
     if !enters(0u, origin, inverse) {
-        return false;
+        return NO_NODE;
     }
     loop {
         let first = nodes[node].first;
-        let triangles = nodes[node].triangles;
         var next = 0u;
-        if triangles > 0u {
-            for (var i = 0u; i < triangles; i++) {
-                if crosses(crossing(first + i, origin, direction)) {
-                    return true;
-                }
+        if nodes[node].triangles > 0u {
+            if hits_leaf(node, origin, direction) {
+                return node;
             }
         } else {
             let one = enters(first, origin, inverse);
@@ -98,14 +113,14 @@ fn is_occluded(origin: vec3<f32>, direction: vec3<f32>) -> bool {
         // The root is not a child.
         if next == 0u {
             if count == 0u {
-                return false;
+                return NO_NODE;
             }
             count--;
             next = waiting[count];
         }
         node = next;
     }
-    return false;
+    return NO_NODE;
 }
 
 // The first hit of a ray.

@@ -21,7 +21,7 @@ mod triangle;
 mod veils;
 
 pub use boundaries::{BoundarySet, BoundaryTracer, SegmentSet, SegmentTracer, is_number_per_probe};
-pub use cones::{Blockers, Cone, EightCones, SeenThrough};
+pub use cones::{Blockers, Cone, EightCones, SeenThrough, wider};
 pub use device::{BoxNode, Fan, FanDevice, RayDevice, RayDevices, RayOrigin};
 pub use directions::{DirectionSet, HalfSpace, in_eights, spatial_order};
 pub use eight::EightRays;

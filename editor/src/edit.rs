@@ -4,7 +4,7 @@ use crate::app::{self, Launch};
 use anyhow::Result;
 use clap::Args;
 use lapidary_interchange::formats::SceneFormat;
-use lapidary_studies::{args::BackendOption, terminal::Outcome};
+use lapidary_studies::{args::DeviceArgs, terminal::Outcome};
 use std::path::PathBuf;
 
 /// Options of `edit`.
@@ -13,9 +13,8 @@ pub struct EditArgs {
     /// File to open.
     #[arg(value_name = "FILE", help = opened())]
     file: Option<PathBuf>,
-    /// Renderer of the pictures
-    #[arg(long, value_enum, default_value_t)]
-    backend: BackendOption,
+    #[command(flatten)]
+    device: DeviceArgs,
     /// Folder with the bundled scenes and environments [default: the source tree's]
     #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
     data: Option<PathBuf>,
@@ -39,7 +38,7 @@ fn opened() -> String {
 /// # Errors
 /// No display, or a data folder without data.
 pub fn run(args: &EditArgs) -> Result<Outcome> {
-    let EditArgs { file, backend, data } = args.clone();
-    app::run(&Launch { file, backend, data })?;
+    let EditArgs { file, device, data } = args.clone();
+    app::run(&Launch { file, device, data })?;
     Ok(Outcome::Done)
 }

@@ -3,6 +3,7 @@
 use crate::document::{folder_of, session::read_leniently, write_setting};
 use anyhow::Result;
 use lapidary_core::input;
+use lapidary_studies::args::MeasuredPath;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 use std::{
@@ -28,6 +29,8 @@ pub struct Preferences {
     pub bakes_scenes: bool,
     /// Whether cuts are baked anew by themselves where a moved object or an edited opacity reaches.
     pub follows_edits: bool,
+    /// The path of the graphics adapter that was faster.
+    pub gpu_path: Option<MeasuredPath>,
     /// Folders in which file dialogs begin.
     pub folders: LastFolders,
     /// Folders whose scenes and materials may name files elsewhere.
@@ -148,6 +151,7 @@ impl Default for Preferences {
             inspector_width: 340.0,
             bakes_scenes: true,
             follows_edits: true,
+            gpu_path: None,
             folders: LastFolders::default(),
             outside: AllowedFolders::default(),
         }
@@ -212,6 +216,7 @@ impl Preferences {
             inspector_width: clamp(self.inspector_width, INSPECTOR_WIDTHS, usual.inspector_width),
             bakes_scenes: self.bakes_scenes,
             follows_edits: self.follows_edits,
+            gpu_path: self.gpu_path,
             folders: self.folders,
             outside: self.outside,
         }
@@ -221,6 +226,7 @@ impl Preferences {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_render::gpu::GpuPath;
 
     #[test]
     fn preferences_come_back() {
@@ -238,6 +244,7 @@ mod tests {
             side_width: 300.0,
             bakes_scenes: false,
             follows_edits: false,
+            gpu_path: Some(MeasuredPath { adapter: "a card".into(), path: GpuPath::Compute }),
             folders,
             outside,
             ..Default::default()

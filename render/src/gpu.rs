@@ -3,6 +3,7 @@
 
 mod backend;
 mod direct;
+mod draw;
 mod entries;
 mod frame;
 mod groups;
@@ -12,18 +13,22 @@ mod materials;
 mod measured;
 mod meshless;
 mod passes;
+mod picture_rays;
 mod pipeline;
 mod pool;
 mod posed;
+mod probe;
 mod scene;
 mod shadows;
 mod targets;
 mod wavelet;
 
 pub use crate::device::{
-    Compute, ForestTimes, GpuForest, GpuImplicit, GpuRays, Room, ShaderSource, SharedDevice, has_hardware,
+    AdapterFacts, Compute, ForestTimes, GpuForest, GpuImplicit, GpuRays, Room, ShaderSource, SharedDevice, has_hardware,
 };
 pub use backend::{GpuBackend, PassTimes};
+pub use pipeline::GpuPath;
+pub use probe::faster_path;
 
 #[cfg(test)]
 mod tests;

@@ -104,7 +104,7 @@ impl Intersector {
 }
 
 /// Sine of a cone widened by more than the rounding of rays and planes.
-fn wider(sine: f32) -> f32 {
+pub fn wider(sine: f32) -> f32 {
     debug_assert!(sine < 0.71, "cones of at most 45 degrees");
     (sine * (1.0 + WIDER.0) + WIDER.1).min(1.0)
 }

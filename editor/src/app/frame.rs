@@ -7,6 +7,7 @@ use crate::{
     viewport,
 };
 use egui::{Event, Key, Ui, ViewportCommand};
+use std::sync::PoisonError;
 
 impl EditorState {
     /// One frame: results of jobs, the interface, its requests, and the next request to the render thread.
@@ -175,6 +176,7 @@ impl EditorState {
         if let Some(size) = self.interface.window_size {
             self.work.preferences.window_size = size;
         }
+        self.work.preferences.gpu_path = self.memory.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if let Err(error) = self.work.preferences.save(&self.work.folders.config) {
             eprintln!("warning: {error:#}");
         }

@@ -14,8 +14,16 @@ use crate::{
 use anyhow::{Result, bail};
 use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
-use lapidary_studies::{args::BackendOption, bundled::DataFolder, jobs::Wake};
-use std::{path::PathBuf, sync::Arc, time::Duration};
+use lapidary_studies::{
+    args::{DeviceArgs, PathMemory},
+    bundled::DataFolder,
+    jobs::Wake,
+};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex},
+    time::Duration,
+};
 
 /// How the window begins.
 #[derive(Clone, Debug)]
@@ -23,7 +31,7 @@ pub struct Launch {
     /// File to open; `None` for the bundled scene.
     pub file: Option<PathBuf>,
     /// The renderer.
-    pub backend: BackendOption,
+    pub device: DeviceArgs,
     /// The folder of bundled data; `None` for the source tree's.
     pub data: Option<PathBuf>,
 }
@@ -116,10 +124,12 @@ fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders,
         // A request without delay would draw the window twice, for widgets that settle; results of other threads do not need that.
         Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)))
     };
-    let backend = launch.backend;
+    let device = launch.device;
+    let memory = PathMemory::new(Mutex::new(Preferences::load(&folders.config).0.gpu_path));
+    let remembered = memory.clone();
     // Called on the thread that renders, and again when a device is lost.
-    let factory = Arc::new(move || backend.open());
-    let mut state = EditorState::new(Setup { folders, bundled, factory, wake, system_dialogs: true });
+    let factory = Arc::new(move || device.open_with(&remembered));
+    let mut state = EditorState::new(Setup { folders, bundled, factory, memory, wake, system_dialogs: true });
     match &launch.file {
         Some(file) => state.open(Target::File(file.clone())),
         None => state.open_bundled(0),

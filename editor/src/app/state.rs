@@ -27,7 +27,7 @@ use crate::{
 };
 use interface::Interface;
 use lapidary_render::BackendFactory;
-use lapidary_studies::jobs::Wake;
+use lapidary_studies::{args::PathMemory, jobs::Wake};
 use prompt::{Prompt, Questions};
 use std::path::PathBuf;
 
@@ -39,6 +39,8 @@ pub struct Setup {
     pub bundled: Bundled,
     /// Makes the renderer.
     pub factory: BackendFactory,
+    /// What it measured.
+    pub memory: PathMemory,
     /// Makes the window look for results of jobs.
     pub wake: Wake,
     /// Whether the system's file dialogs may be used.
@@ -64,6 +66,8 @@ pub struct EditorState {
     pub(super) questions: Questions,
     pub(super) recent: RecentFiles,
     pub(super) bundled: Bundled,
+    /// What the renderer measured.
+    pub(super) memory: PathMemory,
     pub(super) loader: Loader,
     pub(super) watcher: Watcher,
     pub(super) opening: Option<Opening>,
@@ -84,7 +88,7 @@ pub struct EditorState {
 impl EditorState {
     /// With nothing open; offers to recover work of crashed processes.
     pub fn new(setup: Setup) -> Self {
-        let Setup { folders, bundled, factory, wake, system_dialogs } = setup;
+        let Setup { folders, bundled, factory, memory, wake, system_dialogs } = setup;
         let work = Workspace::new(folders, factory.clone(), wake.clone());
         let recoverable = autosave::recoverable(&work.folders.state);
         let questions = Questions::of((!recoverable.is_empty()).then_some(Prompt::Recover(recoverable)));
@@ -95,6 +99,7 @@ impl EditorState {
             questions,
             recent: RecentFiles::open(&work.folders.config),
             bundled,
+            memory,
             loader: Loader::new(wake.clone()),
             watcher: Watcher::start(wake.clone()),
             opening: None,

@@ -34,6 +34,7 @@ use lapidary_core::dataset::BakeSettings;
 use lapidary_interchange::{image, import::import};
 use lapidary_precompute::{BakeJob, Preset, Silent, bake, resolve};
 use lapidary_render::CpuBackend;
+use lapidary_studies::args::PathMemory;
 use std::{
     cell::Cell,
     path::{Path, PathBuf},
@@ -82,6 +83,7 @@ impl Place {
             folders,
             bundled: Bundled::default(),
             factory: Arc::new(|| Ok(Box::new(CpuBackend::new()))),
+            memory: PathMemory::default(),
             wake: Arc::new(|| ()),
             system_dialogs: false,
         };

@@ -44,13 +44,16 @@ pub enum Binding {
     Storage,
     /// A buffer that a compute pass writes.
     Written,
+    /// Textures that a compute pass writes.
+    WrittenFloats,
+    WrittenUints,
     Uint,
     Float,
     DepthLayers,
 }
 
 /// A bind group as shaders declare it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GroupLayout {
     pub name: &'static str,
     /// Names and kinds of the bindings 0, 1, ...
@@ -66,7 +69,7 @@ impl GroupLayout {
         let entry = |(index, (_, kind)): (usize, &(&str, Binding))| wgpu::BindGroupLayoutEntry {
             binding: index as u32,
             visibility: match kind {
-                Binding::Written => Stages::COMPUTE,
+                Binding::Written | Binding::WrittenFloats | Binding::WrittenUints => Stages::COMPUTE,
                 _ => Stages::VERTEX_FRAGMENT | Stages::COMPUTE,
             },
             ty: kind.of_layout(),
@@ -90,6 +93,15 @@ impl GroupLayout {
 }
 
 impl Binding {
+    /// The format of a texture that is written.
+    pub fn format(self) -> Option<wgpu::TextureFormat> {
+        match self {
+            Self::WrittenFloats => Some(wgpu::TextureFormat::Rgba32Float),
+            Self::WrittenUints => Some(wgpu::TextureFormat::Rgba32Uint),
+            _ => None,
+        }
+    }
+
     fn of_layout(self) -> wgpu::BindingType {
         let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
@@ -102,6 +114,11 @@ impl Binding {
             Self::Uniform => buffer(wgpu::BufferBindingType::Uniform),
             Self::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
             Self::Written => buffer(wgpu::BufferBindingType::Storage { read_only: false }),
+            Self::WrittenFloats | Self::WrittenUints => wgpu::BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: self.format().expect("it is written"),
+                view_dimension: wgpu::TextureViewDimension::D2,
+            },
             Self::Uint => plane(wgpu::TextureSampleType::Uint),
             Self::Float => plane(wgpu::TextureSampleType::Float { filterable: false }),
             Self::DepthLayers => texture(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2Array),

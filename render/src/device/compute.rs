@@ -7,6 +7,7 @@ use super::{
     kernels::KernelProgram,
 };
 use crate::error::BackendError;
+use serde::Serialize;
 use std::{
     collections::HashMap,
     fmt,
@@ -27,6 +28,23 @@ pub enum Compute {
 pub struct SharedDevice {
     pub(crate) gpu: Arc<GpuDevice>,
     kernels: Arc<Mutex<HashMap<&'static str, Arc<Kernel>>>>,
+}
+
+/// An adapter, for reports.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AdapterFacts {
+    /// Its name.
+    pub name: String,
+    /// Whether it is a card, part of the processor, or emulated.
+    pub kind: String,
+    /// Name and version.
+    pub driver: String,
+    /// Vulkan, Metal, Dx12 or Gl.
+    pub interface: String,
+    /// Most bytes of a storage buffer.
+    pub max_storage_bytes: u64,
+    /// Most texels along the side of a texture.
+    pub max_texture_side: u32,
 }
 
 impl fmt::Debug for Compute {
@@ -63,7 +81,7 @@ impl Compute {
 
     /// The cores in place of a device that is emulated on them.
     pub(crate) fn unless_emulated(device: &SharedDevice) -> Self {
-        if is_emulated(&device.gpu.info) { Self::Cores } else { Self::Device(device.clone()) }
+        if device.is_emulated() { Self::Cores } else { Self::Device(device.clone()) }
     }
 }
 
@@ -74,6 +92,30 @@ impl SharedDevice {
     /// No adapter, or a driver that refuses.
     pub fn new(room: Room) -> Result<Self, BackendError> {
         Ok(Self { gpu: GpuDevice::new(room)?.into(), kernels: Arc::default() })
+    }
+
+    /// Whether its adapter computes on the processor: the CPU renderer is faster then.
+    pub fn is_emulated(&self) -> bool {
+        is_emulated(&self.gpu.info)
+    }
+
+    /// What is known of its adapter.
+    pub fn facts(&self) -> AdapterFacts {
+        let wgpu::AdapterInfo { name, device_type, driver, driver_info, backend, .. } = &self.gpu.info;
+        let limits = &self.gpu.limits;
+        AdapterFacts {
+            name: name.clone(),
+            kind: format!("{device_type:?}"),
+            driver: format!("{driver} {driver_info}").trim().into(),
+            interface: backend.to_string(),
+            max_storage_bytes: self.gpu.max_storage_bytes(),
+            max_texture_side: limits.max_texture_dimension_2d,
+        }
+    }
+
+    /// Bytes of its memory that this program holds, where the driver's interface tells.
+    pub fn allocated_bytes(&self) -> Option<u64> {
+        self.gpu.device.generate_allocator_report().map(|report| report.total_allocated_bytes)
     }
 
     /// The name of the adapter.

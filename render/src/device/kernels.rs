@@ -16,7 +16,7 @@ pub struct KernelProgram {
 
 impl KernelProgram {
     const fn new(name: &'static str, parts: [&'static [&'static str]; 2], groups: &'static [GroupLayout]) -> Self {
-        Self { program: Program { name, parts }, groups }
+        Self { program: Program { name, parts, output: None }, groups }
     }
 }
 
@@ -106,12 +106,12 @@ bind_groups! {
 /// Rays for bakes. Its groups are [`Hierarchy`] and [`RayWork`]: it runs in no slices. Twin of `Intersector::trace_batch` in
 /// core/src/ray/batch.rs.
 pub const RAYS: Program =
-    Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "hierarchy", "rays_pass"]] };
+    Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "hierarchy", "rays_pass"]], output: None };
 
 /// First hits of the rays of receivers. Its groups are [`Hierarchy`] and [`FanWork`]: it runs in no slices. Twin of
 /// `Intersector::closest_hits` in core/src/ray/closest.rs.
 pub const FANS: Program =
-    Program { name: "fans_pass", parts: [&[], &["ordered", "traverse", "hierarchy", "fans_pass"]] };
+    Program { name: "fans_pass", parts: [&[], &["ordered", "traverse", "hierarchy", "fans_pass"]], output: None };
 
 /// What kernels of implicit visibility begin with.
 const FOREST: &[&str] = &["slice", "ordered", "forest"];

@@ -47,6 +47,29 @@ pub struct FrameUniforms {
     pub picture_stride: [u32; 2],
 }
 
+/// `Sun` of `sun_rays.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Sun {
+    pub axis: [f32; 3],
+    pub height: f32,
+    pub right: [f32; 3],
+    pub sine: f32,
+    pub up: [f32; 3],
+    pub tangent: f32,
+}
+
+/// `SunUniforms` of `sun_rays.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct SunUniforms {
+    pub suns: [Sun; constants::MOST_SUNS],
+    pub count: u32,
+    /// In meters.
+    pub largest_offset: f32,
+    pub padding: [u32; 2],
+}
+
 /// `MirroredScene` of `mirrored_surface_pass.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -332,7 +355,7 @@ pub struct ShadowView {
     pub up: [f32; 3],
     pub half_height: f32,
     pub forward: [f32; 3],
-    pub is_parallel: u32,
+    pub padding: u32,
 }
 
 /// `LocalLight` of `direct_lights.wgsl`.
@@ -431,6 +454,11 @@ pub struct Coefficient {
 /// Values that the shaders share with this side by name.
 pub mod constants {
     pub const MOST_PARAMETERS: usize = 32;
+    /// Directional lights that cast shadows.
+    pub const MOST_SUNS: usize = 8;
+    /// Areas that a kernel writes at a time, and sides of its groups in texels.
+    pub const MOST_AREAS: usize = 256;
+    pub const TILE_SIDE: u32 = 8;
     /// Levels that a meshless basis may have.
     pub const MOST_BASIS_LEVELS: usize = lapidary_core::meshless::MOST_LEVELS;
     /// In place of a measured BRDF that is not there.

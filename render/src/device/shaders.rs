@@ -1,6 +1,6 @@
-//! The shaders: plain WGSL, one entry point per file, joined with the libraries that it uses.
+//! The shaders: plain WGSL, one pass or kernel per file, joined with the libraries that it uses.
 
-use super::models::ModelSet;
+use super::{models::ModelSet, output::Output};
 use crate::post::ToneMap;
 use lapidary_core::brdf::BrdfModel;
 use std::{
@@ -33,6 +33,7 @@ parts!(
     "direct_pass",
     "display_pass",
     "distance_key",
+    "entries",
     "environment",
     "fans_pass",
     "first_part",
@@ -74,6 +75,7 @@ parts!(
     "posed",
     "predict_pass",
     "prefix_sums",
+    "probe_pass",
     "procedural",
     "radiosity_count_kernel",
     "radiosity_gather_kernel",
@@ -81,6 +83,8 @@ parts!(
     "radiosity_pull_kernel",
     "radiosity_scan_kernel",
     "radiosity_write_kernel",
+    "ray_shift",
+    "ray_start",
     "rays_pass",
     "receiver",
     "refine",
@@ -97,6 +101,9 @@ parts!(
     "sketch_pass",
     "slice",
     "sums",
+    "sun_cells",
+    "sun_rays",
+    "suns_pass",
     "surface",
     "surface_pass",
     "tonemap",
@@ -107,13 +114,15 @@ parts!(
     "wireframe",
 );
 
-/// An entry point with the libraries that it uses, in order.
+/// A pass or a kernel with the libraries that it uses, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Program {
     /// Name of the pass.
     pub name: &'static str,
     /// What several programs begin with, and the rest.
     pub parts: [&'static [&'static str]; 2],
+    /// What it writes if it has two entry points, whose text is added.
+    pub output: Option<Output>,
 }
 
 /// In place of a file the models that a scene uses, and the dispatch to them.
@@ -147,7 +156,10 @@ impl ShaderSource {
             name => self.part(name),
         };
         let texts: std::io::Result<Vec<Cow<str>>> = program.parts.concat().into_iter().map(part).collect();
-        let text = texts?.join("\n");
+        let mut text = texts?.join("\n");
+        if let Some(output) = program.output {
+            text += &output.entries(&self.part("entries")?);
+        }
         #[cfg(test)]
         if let Self::Changed(change) = self {
             return Ok(change(&text));

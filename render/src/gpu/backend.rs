@@ -15,10 +15,11 @@ mod timing;
 
 pub use timing::PassTimes;
 
-use super::targets::Target;
+use super::{pipeline::GpuPath, targets::Target};
 use crate::{
     appearance::Appearance,
-    device::{GpuDevice, ModelSet, Room, ShaderSource, Shaders, SharedDevice, is_emulated, readback},
+    backend::Backend,
+    device::{GpuDevice, ModelSet, ShaderSource, Shaders, SharedDevice, readback},
     error::BackendError,
     sampling::BrdfSampling,
     summed::Summed,
@@ -36,29 +37,27 @@ pub struct GpuBackend {
 }
 
 impl GpuBackend {
-    /// On the fastest adapter.
+    /// On a device, with some shaders, whose passes run so if they have a kernel.
     ///
     /// # Errors
-    /// No adapter, or a driver that refuses.
-    pub fn new(room: Room, source: &ShaderSource) -> Result<Self, BackendError> {
-        Self::on(SharedDevice::new(room)?, source)
-    }
-
-    /// On the fastest adapter, unless that computes on the processor: the CPU renderer is faster there.
-    ///
-    /// # Errors
-    /// As [`Self::new`]; an emulated adapter counts as none.
-    pub fn on_hardware(room: Room, source: &ShaderSource) -> Result<Self, BackendError> {
-        let device = SharedDevice::new(room)?;
-        if is_emulated(&device.gpu.info) {
-            return Err(BackendError::NoAdapter { reason: format!("{} is emulated", device.name()) });
-        }
-        Self::on(device, source)
-    }
-
-    fn on(device: SharedDevice, source: &ShaderSource) -> Result<Self, BackendError> {
-        let pipelines = Pipelines::new(device, source)?;
+    /// A driver that refuses, or shaders of a folder that do not compile.
+    pub fn new(device: SharedDevice, source: &ShaderSource, path: GpuPath) -> Result<Self, BackendError> {
+        let pipelines = Pipelines::new(device, source, path)?;
         Ok(Self { shown: Shown::new(pipelines.gpu()), progress: Progress::default(), pipelines })
+    }
+
+    /// How its passes run that have a kernel.
+    pub fn path(&self) -> GpuPath {
+        self.pipelines.path
+    }
+
+    /// Takes another path. A picture is to be begun anew.
+    ///
+    /// # Errors
+    /// A shader that cannot be read, or does not compile.
+    pub fn set_path(&mut self, path: GpuPath) -> Result<(), BackendError> {
+        self.pipelines.path = path;
+        self.reload()
     }
 
     /// Its device, for other work.

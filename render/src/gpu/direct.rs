@@ -1,22 +1,28 @@
-//! Direct light of local lights: shadow maps, then a pass over every pixel for each part of them that is summed.
+//! Direct light of local lights: shadow maps, or rays to suns, then a pass over every pixel for each part of them that is summed.
 
 use super::{
-    groups::{LocalLights, ShadowViews},
+    groups::{LocalLights, ShadowViews, SunRays},
     passes::{PartPass, Passes},
+    picture_rays::PictureRays,
     scene::GpuScene,
     shadows::{self, Plan, ShadowMaps, ShadowRoom},
+    targets::Target,
 };
 use crate::{
     device::{
         GpuDevice,
-        layout::{LocalLight, ShadowView, constants},
-        storage,
+        layout::{LocalLight, ShadowView, Sun, SunUniforms, constants},
+        storage, uniform,
     },
     stale::LightPart,
     summed::SummedLights,
 };
+use bytemuck::Zeroable;
 use glam::Vec3;
-use lapidary_core::lights::{Disc, Emission, Light, RectangleShape};
+use lapidary_core::{
+    lights::{Disc, Emission, Light, RectangleShape},
+    ray::wider,
+};
 
 /// Texels of a side of few shadow maps: four of them are all that there may be.
 const LARGEST: u32 = 4096;
@@ -40,6 +46,7 @@ impl DirectLights {
         Self::within(ShadowRoom {
             layers: gpu.limits.max_texture_array_layers,
             largest: LARGEST.min(gpu.limits.max_texture_dimension_2d),
+            suns: constants::MOST_SUNS as u32,
         })
     }
 
@@ -65,9 +72,30 @@ impl DirectLights {
             self.maps = None;
         }
         self.plan = Plan::new(&self.lights, self.room, radius);
-        let remark = self.plan.remark(&self.lights, self.room);
+        let remark = self.shadowless();
         let before = std::mem::replace(&mut self.remark, remark.clone());
         remark.filter(|_| before != self.remark)
+    }
+
+    /// A remark on lights without shadows.
+    fn shadowless(&self) -> Option<String> {
+        let (suns, most) = (self.lights.iter().filter(|light| is_sun(light)).count(), self.room.suns as usize);
+        let of_suns = (suns > most).then(|| {
+            let without = suns - most;
+            format!("{without} of {suns} directional lights shine without shadows: only {most} may cast some; switch some off")
+        });
+        let all: Vec<String> = self.plan.remark(&self.lights, self.room).into_iter().chain(of_suns).collect();
+        (!all.is_empty()).then(|| all.join("; "))
+    }
+
+    /// Whether there are suns that cast shadows.
+    pub fn have_suns(&self) -> bool {
+        self.room.suns > 0 && self.lights.iter().any(is_sun)
+    }
+
+    /// The suns that cast shadows, in the order of the lights.
+    fn suns(&self) -> impl Iterator<Item = &Light> {
+        self.lights.iter().filter(|light| is_sun(light)).take(self.room.suns as usize)
     }
 
     /// Puts the lights in the order of the parts that sum them. Returns whether those of the first part have the same
@@ -104,12 +132,12 @@ impl DirectLights {
     }
 
     /// Renders shadow maps that are out of date, with the groups of the frame and the scene. Returns a pass for each part of the
-    /// lights.
+    /// lights. Suns have rays, whose results are in a target; without these, `nothing` takes its place.
     pub fn prepare(
         &mut self,
         gpu: &GpuDevice,
         passes: &Passes,
-        scene: &GpuScene,
+        (scene, rays, nothing): (&GpuScene, Option<(&PictureRays, &Target)>, &Target),
         shared: [&wgpu::BindGroup; 2],
     ) -> Vec<PartPass> {
         if self.lights.is_empty() {
@@ -117,9 +145,11 @@ impl DirectLights {
         }
         let views = self.views(scene);
         // Bindings of no size are not allowed.
-        let bound = if views.is_empty() { &[bytemuck::Zeroable::zeroed()][..] } else { &views[..] };
+        let bound = if views.is_empty() { &[Zeroable::zeroed()][..] } else { &views[..] };
         let shadow_views = &storage(gpu, "shadow views", bytemuck::cast_slice(bound));
-        let packed = self.packed(scene);
+        let packed = self.packed(scene, rays.is_some());
+        let suns = rays.map(|(rays, _)| (passes.suns.clone(), self.sun_rays(gpu, rays)));
+        let suns_seen = &rays.map_or(nothing, |(_, seen)| seen).view;
         self.make_room(gpu);
         let Some(maps) = self.maps.as_mut() else { return Vec::new() };
         let group = ShadowViews { shadow_views }.bind(gpu);
@@ -136,8 +166,8 @@ impl DirectLights {
             .filter(|(_, lights)| !lights.is_empty());
         let pass = |(part, lights): (LightPart, &[LocalLight])| {
             let local_lights = &storage(gpu, "local lights", bytemuck::cast_slice(lights));
-            let light = LocalLights { shadow_views, local_lights, shadow_maps: &maps.array }.bind(gpu);
-            PartPass { part, pass: passes.direct.clone(), light }
+            let light = LocalLights { shadow_views, local_lights, shadow_maps: &maps.array, suns_seen }.bind(gpu);
+            PartPass { part, pass: passes.direct.clone(), light, suns: suns.clone() }
         };
         parts.map(pass).collect()
     }
@@ -150,18 +180,31 @@ impl DirectLights {
 
     fn views(&self, scene: &GpuScene) -> Vec<ShadowView> {
         let Plan { size, grid, .. } = self.plan;
-        let settings = shadows::ShadowViewSettings { bounds: scene.bounds, near: scene.near, size, grid };
+        let settings = shadows::ShadowViewSettings { near: scene.near, size, grid };
         let casting = self.lights.iter().zip(&self.plan.first).filter(|(_, first)| **first != constants::NO_SHADOW);
         casting.flat_map(|(light, _)| shadows::views(light, &settings)).collect()
     }
 
-    fn packed(&self, scene: &GpuScene) -> Vec<LocalLight> {
-        // Shadow maps begin at the bounds of the scene, and the ground between it and such a light lies before them.
+    /// The suns that cast shadows, bound with what their rays meet.
+    fn sun_rays(&self, gpu: &GpuDevice, rays: &PictureRays) -> wgpu::BindGroup {
+        let mut suns = SunUniforms { largest_offset: rays.largest_offset, ..Zeroable::zeroed() };
+        for (to, sun) in suns.suns.iter_mut().zip(self.suns()) {
+            *to = packed_sun(sun);
+            suns.count += 1;
+        }
+        let suns = &uniform(gpu, "suns", bytemuck::bytes_of(&suns));
+        let PictureRays { nodes, corners, leaf_triangles, .. } = rays;
+        SunRays { suns, nodes, corners, leaf_triangles }.bind(gpu)
+    }
+
+    fn packed(&self, scene: &GpuScene, suns_have_rays: bool) -> Vec<LocalLight> {
+        // It lies under the ground.
         let is_below = |light: &Light| scene.ground.is_some() && light.comes_from_below();
         let shining = |light: &Light| if is_below(light) { Vec3::ZERO } else { light.intensity };
-        let packed = |(light, &first): (&Light, &u32)| LocalLight {
-            intensity: shining(light).to_array(),
-            ..packed(light, first, self.plan.grid)
+        let mut suns = 0..if suns_have_rays { self.room.suns } else { 0 };
+        let packed = |(light, &first): (&Light, &u32)| {
+            let first = if is_sun(light) { suns.next().unwrap_or(constants::NO_SHADOW) } else { first };
+            LocalLight { intensity: shining(light).to_array(), ..packed(light, first, self.plan.grid) }
         };
         self.lights.iter().zip(&self.plan.first).map(packed).collect()
     }
@@ -173,6 +216,28 @@ impl DirectLights {
             self.maps = None;
             self.maps = Some(ShadowMaps::new(gpu, size, shadows::capacity(layers, size, self.room)));
         }
+    }
+}
+
+/// Whether a light has rays in place of shadow maps.
+fn is_sun(light: &Light) -> bool {
+    matches!(light.emission, Emission::Directional { .. })
+}
+
+/// A sun as the rays to it need it.
+fn packed_sun(light: &Light) -> Sun {
+    let axis = -light.forward().unwrap_or(Vec3::NEG_Y);
+    let (right, up) = axis.any_orthonormal_pair();
+    // Parallel light is a disc without an extent.
+    let disc = Disc::of(light).unwrap_or(Disc { axis, right, up, height: 0.0 });
+    let sine = wider(disc.sine());
+    Sun {
+        axis: disc.axis.to_array(),
+        height: disc.height,
+        right: disc.right.to_array(),
+        sine,
+        up: disc.up.to_array(),
+        tangent: sine / (1.0 - sine * sine).max(1e-6).sqrt(),
     }
 }
 

@@ -3,12 +3,15 @@
 use super::{
     groups::{
         Added, Basis, Display, Frame, Kept, Lattice, Light, LocalLights, Marks, MirroredLight, MirroredScene, Past,
-        Patches, QuadLight, Scene, SecondLight, Seen, Shading, ShadowViews, Surfaces,
+        Patches, QuadLight, Scene, SecondLight, Seen, Shading, ShadowViews, SunRays, Surfaces,
     },
     targets::format,
 };
 use crate::device::{
+    Binding,
+    Binding::{WrittenFloats, WrittenUints},
     GroupLayout,
+    output::{AREAS, FRAME, Output},
     shaders::{MODELS, Program, TONE_CURVE},
 };
 use wgpu::TextureFormat;
@@ -19,8 +22,8 @@ pub struct Entry {
     pub program: Program,
     /// What it reads: groups 0, 1, ...
     pub groups: &'static [GroupLayout],
-    /// Formats of the textures that it writes.
-    pub targets: &'static [TextureFormat],
+    /// Formats of the textures that it writes, if its program has no [`Output`].
+    targets: &'static [TextureFormat],
     /// Whether it draws triangles in depth; others cover the picture.
     pub has_depth: bool,
     /// Specialization constants, which tell its variants apart. Without any there is one variant.
@@ -28,10 +31,51 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// Formats of the textures that it writes.
+    pub fn formats(&self) -> Vec<TextureFormat> {
+        self.program.output.map_or(self.targets.to_vec(), |output| output.formats().collect())
+    }
+
+    /// With a kernel beside its fragments.
+    const fn writing(name: &'static str, parts: [&'static [&'static str]; 2], output: Output) -> Self {
+        let drawing = Self::new(name, parts);
+        Self { program: Program { output: Some(output), ..drawing.program }, ..drawing }
+    }
+
     /// Over every pixel, in one variant.
     const fn new(name: &'static str, parts: [&'static [&'static str]; 2]) -> Self {
-        Self { program: Program { name, parts }, groups: &[], targets: &[], has_depth: false, constants: &[] }
+        Self {
+            program: Program { name, parts, output: None },
+            groups: &[],
+            targets: &[],
+            has_depth: false,
+            constants: &[],
+        }
     }
+}
+
+/// Sums of a part of the light.
+const SUMS: Output = output("Sums", &[FRAME, AREAS, ("written_value", WrittenFloats), ("written_work", WrittenUints)]);
+
+/// Surfaces that pixels or rays see.
+const SEEN: Output =
+    output("Surface", &[FRAME, AREAS, ("written_geometry", WrittenUints), ("written_rotation", WrittenFloats)]);
+
+/// Four numbers.
+const NUMBERS: Output = output("vec4<f32>", &[FRAME, AREAS, ("written", WrittenFloats)]);
+
+/// Sets of bits.
+const BITS: Output = output("vec4<u32>", &[FRAME, AREAS, ("written", WrittenUints)]);
+
+/// A picture that is kept.
+const PAST: Output = output("Past", &[FRAME, AREAS, ("written_value", WrittenFloats), ("written_place", WrittenUints)]);
+
+/// Rays of mirrors.
+const RAYS: Output =
+    output("MirrorRay", &[FRAME, AREAS, ("written_direction", WrittenFloats), ("written_weight", WrittenFloats)]);
+
+const fn output(name: &'static str, bindings: &'static [(&'static str, Binding)]) -> Output {
+    Output { name, bindings }
 }
 
 /// What programs begin with that draw triangles, some of which let light through.
@@ -71,15 +115,17 @@ pub const VISIBILITY: Entry = Entry {
 /// Barycentric weights and frames. Twin of `Surfaces::point` in render/src/shade/surface.rs.
 pub const SURFACE: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Seen::LAYOUT],
-    targets: &[format::GEOMETRY, format::FLOATS],
-    ..Entry::new("surface_pass", [SURFACES, &["seen_surface", "surface_pass"]])
+    ..Entry::writing("surface_pass", [SURFACES, &["seen_surface", "surface_pass"]], SEEN)
 };
 
 /// Base color and roughness, or the spread of slopes. Twin of `Surfaces::point` in render/src/shade/surface.rs.
 pub const PARAMETERS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Surfaces::LAYOUT],
-    targets: &[format::FLOATS],
-    ..Entry::new("parameters_pass", [SURFACES, &["environment", "brdf", MODELS, "seen_along", "parameters_pass"]])
+    ..Entry::writing(
+        "parameters_pass",
+        [SURFACES, &["environment", "brdf", MODELS, "seen_along", "parameters_pass"]],
+        NUMBERS,
+    )
 };
 
 /// What the pixels show. Twin of `Marks::of_surface` in render/src/stale.rs.
@@ -93,9 +139,8 @@ pub const MARKS: Entry = Entry {
 /// [`MergeVariant`](super::passes::MergeVariant).
 pub const MERGE: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Light::LAYOUT, Shading::LAYOUT],
-    targets: &format::SUMS,
     constants: &["FIELD", "IS_FIRST", "REFINE", "LIT", "MIRRORS", "BY_DIRECTION"],
-    ..Entry::new(
+    ..Entry::writing(
         "merge_pass",
         [
             SHADING,
@@ -118,6 +163,7 @@ pub const MERGE: Entry = Entry {
                 "merge_pass",
             ],
         ],
+        SUMS,
     )
 };
 
@@ -129,18 +175,44 @@ pub const SHADOW: Entry = Entry {
     ..Entry::new("shadow_pass", [TRIANGLES, &["shadow", "shadow_pass"]])
 };
 
+/// Rays to suns. Twin of `DirectShader::shares` in render/src/shade/direct.rs.
+pub const SUNS: Entry = Entry {
+    groups: &[Frame::LAYOUT, Scene::LAYOUT, SunRays::LAYOUT, Shading::LAYOUT],
+    constants: &["HAS_VEILS"],
+    ..Entry::writing(
+        "suns_pass",
+        [
+            SHADING,
+            &[
+                "opacity",
+                "ordered",
+                "traverse",
+                "concentric",
+                "ray_shift",
+                "sun_cells",
+                "ray_start",
+                "sun_rays",
+                "suns_pass",
+            ],
+        ],
+        BITS,
+    )
+};
+
 /// Local lights. Twin of render/src/shade/direct.rs.
 pub const DIRECT: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, LocalLights::LAYOUT, Shading::LAYOUT],
-    targets: &format::SUMS,
-    ..Entry::new("direct_pass", [SHADING, &["shadow", "shadow_filter", "concentric", "direct_lights", "direct_pass"]])
+    ..Entry::writing(
+        "direct_pass",
+        [SHADING, &["shadow", "shadow_filter", "concentric", "ray_shift", "sun_cells", "direct_lights", "direct_pass"]],
+        SUMS,
+    )
 };
 
 /// Bounced light of meshless functions, and that of vertices. Twin of `MeshlessLight::at` in render/src/light/bounce/meshless/functions.rs.
 pub const MESHLESS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Basis::LAYOUT, Shading::LAYOUT],
-    targets: &format::SUMS,
-    ..Entry::new(
+    ..Entry::writing(
         "meshless_pass",
         [
             SHADING,
@@ -156,50 +228,48 @@ pub const MESHLESS: Entry = Entry {
                 "meshless_pass",
             ],
         ],
+        SUMS,
     )
 };
 
 /// Bounced light of wavelet transport. Twin of `PatchLight::reflected` in render/src/light/bounce/wavelet.rs.
 pub const WAVELET: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, QuadLight::LAYOUT, Shading::LAYOUT],
-    targets: &format::SUMS,
-    ..Entry::new(
+    ..Entry::writing(
         "wavelet_pass",
         [SHADING, &["environment", "mirror", "rough", "posed", "concentric", "cells", "wavelet_pass"]],
+        SUMS,
     )
 };
 
 /// Rays of mirrors. Twin of `Mirror::ray` in render/src/shade/mirror.rs.
 pub const MIRROR_RAYS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, GroupLayout::EMPTY, Shading::LAYOUT],
-    targets: &[format::FLOATS, format::FLOATS],
     constants: &["IS_SECOND"],
-    ..Entry::new("mirror_rays_pass", [SHADING, &["environment", "mirror", "mirror_rays_pass"]])
+    ..Entry::writing("mirror_rays_pass", [SHADING, &["environment", "mirror", "ray_shift", "mirror_rays_pass"]], RAYS)
 };
 
 /// What the rays of mirrors meet. Twin of `SeenScene::mirrored` in render/src/shade/seen_scene.rs.
 pub const MIRRORED_SURFACE: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, MirroredScene::LAYOUT],
-    targets: &[format::GEOMETRY, format::FLOATS],
     constants: &["HAS_VEILS"],
-    ..Entry::new(
+    ..Entry::writing(
         "mirrored_surface_pass",
-        [SURFACES, &["seen_surface", "opacity", "ordered", "traverse", "mirrored_surface_pass"]],
+        [SURFACES, &["seen_surface", "opacity", "ordered", "traverse", "ray_start", "mirrored_surface_pass"]],
+        SEEN,
     )
 };
 
 /// Light along the rays of wider lobes. Twin of `Mirrors::by_second_ray` in render/src/shade/mirrors.rs.
 pub const SECOND_RAYS: Entry = Entry {
     groups: &[Frame::LAYOUT, GroupLayout::EMPTY, SecondLight::LAYOUT],
-    targets: &[format::FLOATS],
-    ..Entry::new("second_rays_pass", [&[], &["frame", "fullscreen", "color", "second_rays_pass"]])
+    ..Entry::writing("second_rays_pass", [&[], &["frame", "fullscreen", "color", "second_rays_pass"]], NUMBERS)
 };
 
 /// Light that mirrors show. Twin of `Mirrors::shown` in render/src/shade/mirrors.rs.
 pub const MIRRORS: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, MirroredLight::LAYOUT, Shading::LAYOUT],
-    targets: &format::SUMS,
-    ..Entry::new("mirrors_pass", [SHADING, &["environment", "mirror", "mirrors_pass"]])
+    ..Entry::writing("mirrors_pass", [SHADING, &["environment", "mirror", "mirrors_pass"]], SUMS)
 };
 
 /// What an edit leaves of the pixels. Twin of `Picture::forget` in render/src/cpu/picture.rs.
@@ -212,23 +282,24 @@ pub const KEEP: Entry = Entry {
 /// The filter between the pixels of a lattice. Twin of render/src/cpu/sketch/filter.rs.
 pub const SKETCH: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Lattice::LAYOUT, Shading::LAYOUT],
-    targets: &format::SUMS,
     constants: &["IS_FIRST"],
-    ..Entry::new("sketch_pass", [SHADING, &["environment", "wireframe", "first_part", "color", "guide", "sketch_pass"]])
+    ..Entry::writing(
+        "sketch_pass",
+        [SHADING, &["environment", "wireframe", "first_part", "color", "guide", "sketch_pass"]],
+        SUMS,
+    )
 };
 
 /// What is kept of a picture for one from another camera. Twin of `History` in render/src/cpu/sketch/history.rs.
 pub const HISTORY: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Added::LAYOUT, Shading::LAYOUT],
-    targets: &format::SUMS,
-    ..Entry::new("history_pass", [SHADING, &["guide", "past", "history_pass"]])
+    ..Entry::writing("history_pass", [SHADING, &["guide", "past", "history_pass"]], PAST)
 };
 
 /// What the last picture tells of this one. Twin of `History::predict` in render/src/cpu/sketch/history.rs.
 pub const PREDICT: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Past::LAYOUT, Shading::LAYOUT],
-    targets: &[format::FLOATS],
-    ..Entry::new("predict_pass", [SHADING, &["guide", "past", "predict_pass"]])
+    ..Entry::writing("predict_pass", [SHADING, &["guide", "past", "predict_pass"]], NUMBERS)
 };
 
 /// The mean of all samples as a display shows it. Twin of render/src/cpu/display.rs.
@@ -238,15 +309,20 @@ pub const DISPLAY: Entry = Entry {
     ..Entry::new("display_pass", [&[], &["fullscreen", "color", "tonemap", TONE_CURVE, "sums", "display_pass"]])
 };
 
+/// Some work for each texel, to measure paths by.
+pub const PROBE: Entry =
+    Entry { groups: &[Frame::LAYOUT], ..Entry::writing("probe_pass", [&[], &["fullscreen", "probe_pass"]], NUMBERS) };
+
 /// All of them.
 #[cfg(test)]
-pub const ALL: [Entry; 18] = [
+pub const ALL: [Entry; 20] = [
     VISIBILITY,
     SURFACE,
     PARAMETERS,
     MARKS,
     MERGE,
     SHADOW,
+    SUNS,
     DIRECT,
     MESHLESS,
     WAVELET,
@@ -259,4 +335,5 @@ pub const ALL: [Entry; 18] = [
     HISTORY,
     PREDICT,
     DISPLAY,
+    PROBE,
 ];

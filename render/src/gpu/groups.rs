@@ -74,8 +74,11 @@ bind_groups! {
     /// Views of shadow maps that are rendered.
     ShadowViews { shadow_views: Storage }
 
-    /// Local lights, and their shadow maps.
-    LocalLights { shadow_views: Storage, local_lights: Storage, shadow_maps: DepthLayers }
+    /// Local lights, their shadow maps, and the rays to suns that meet nothing.
+    LocalLights { shadow_views: Storage, local_lights: Storage, shadow_maps: DepthLayers, suns_seen: Uint }
+
+    /// Suns, and what rays to them meet.
+    SunRays { suns: Uniform, nodes: Storage, corners: Storage, leaf_triangles: Storage }
 
     /// Meshless functions, with the grid that finds them, the coefficients of a solution, where vertices were as baked, and
     /// coefficients by direction.
@@ -108,7 +111,7 @@ bind_groups! {
     Added { added_value: Float, added_work: Uint, marks: Uint }
 
     /// A part of the light in the last picture.
-    Past { past: Uniform, past_value: Float, past_place: Uint }
+    Past { past: Storage, past_value: Float, past_place: Uint }
 
     /// The sums of all parts of the light.
     Display {

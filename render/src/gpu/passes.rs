@@ -3,17 +3,22 @@
 use super::{
     entries::{
         DIRECT, DISPLAY, Entry, HISTORY, KEEP, MARKS, MERGE, MESHLESS, MIRROR_RAYS, MIRRORED_SURFACE, MIRRORS,
-        PARAMETERS, PREDICT, SECOND_RAYS, SHADOW, SKETCH, SURFACE, VISIBILITY, WAVELET,
+        PARAMETERS, PREDICT, SECOND_RAYS, SHADOW, SKETCH, SUNS, SURFACE, VISIBILITY, WAVELET,
     },
     lit::LitKernels,
-    pipeline::{Pass, Text},
+    pipeline::{GpuPath, Pass, Text},
 };
 use crate::{
     device::{GpuDevice, Shaders},
     error::BackendError,
     stale::LightPart,
 };
-use std::{cell::RefCell, collections::HashMap, sync::Arc};
+use std::{
+    cell::RefCell,
+    collections::HashMap,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 /// Specialization of the merge pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -45,6 +50,7 @@ pub struct Passes {
     pub parameters: Pass,
     pub marks: Pass,
     pub shadow: Pass,
+    pub suns: Pass,
     pub direct: Pass,
     pub meshless: Pass,
     pub wavelet: Pass,
@@ -67,12 +73,12 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// The passes from `shaders`.
+    /// The passes from `shaders`; those that have a kernel run so on that path.
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders) -> Result<Self, BackendError> {
-        let text = |entry: &'static Entry| Text::new(gpu, shaders, entry);
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders, path: GpuPath) -> Result<Self, BackendError> {
+        let text = |entry: &'static Entry| Text::new(gpu, shaders, path, entry);
         let all = RefCell::new(Vec::new());
         let variant = |text: &Arc<Text>, values: &[f64]| {
             let pass = text.variant(values);
@@ -88,6 +94,7 @@ impl Passes {
             parameters: pass(&PARAMETERS, &[])?,
             marks: pass(&MARKS, &[])?,
             shadow: pass(&SHADOW, &has_veils)?,
+            suns: pass(&SUNS, &has_veils)?,
             direct: pass(&DIRECT, &[])?,
             meshless: pass(&MESHLESS, &[])?,
             wavelet: pass(&WAVELET, &[])?,
@@ -113,14 +120,22 @@ impl Passes {
     /// A shader that does not compile, with the compiler's message.
     pub fn compile(&mut self, gpu: &GpuDevice, variants: &[MergeVariant]) -> Result<(), BackendError> {
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let merges: Vec<Pass> = variants.iter().map(|&variant| self.merge(variant)).collect();
-        for pass in self.all.iter().chain(&merges) {
-            pass.pipeline();
-        }
+        self.compile_each(variants);
         match pollster::block_on(scope.pop()) {
             None => Ok(()),
             Some(error) => Err(BackendError::Driver(error.to_string())),
         }
+    }
+
+    /// Compiles all of them now, and the merge in `variants`. Returns how long each took.
+    pub fn compile_each(&mut self, variants: &[MergeVariant]) -> Vec<(&'static str, Duration)> {
+        let merges: Vec<Pass> = variants.iter().map(|&variant| self.merge(variant)).collect();
+        let compile = |pass: &Pass| {
+            let start = Instant::now();
+            pass.pipeline();
+            (pass.label, start.elapsed())
+        };
+        self.all.iter().chain(&merges).map(compile).collect()
     }
 
     /// The variants of the merge that are in use.
@@ -142,4 +157,6 @@ pub struct PartPass {
     pub pass: Pass,
     /// What it reads beside the frame, the scene, and the points to shade.
     pub light: wgpu::BindGroup,
+    /// The pass of the rays to suns before it, and what that reads in place of the light.
+    pub suns: Option<(Pass, wgpu::BindGroup)>,
 }

@@ -2,16 +2,29 @@
 
 use super::{entries::Entry, targets::format};
 use crate::{
-    device::{GpuDevice, Shaders, module_of},
+    device::{GpuDevice, Shaders, module_of, output::Output},
     error::BackendError,
 };
+use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
+
+/// How passes run that have two entry points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GpuPath {
+    /// A fragment for each pixel.
+    #[default]
+    Fragment,
+    /// An invocation of a kernel for each.
+    Compute,
+}
 
 /// The text of a pass, of which variants are built.
 pub struct Text {
     entry: &'static Entry,
     text: String,
     gpu: GpuDevice,
+    path: GpuPath,
     module: OnceLock<wgpu::ShaderModule>,
 }
 
@@ -26,17 +39,29 @@ struct Variant {
     text: Arc<Text>,
     /// Of the constants of its entry.
     values: Vec<f64>,
-    pipeline: OnceLock<wgpu::RenderPipeline>,
+    pipeline: OnceLock<Pipeline>,
+}
+
+/// How a pass runs.
+pub enum Pipeline {
+    Fragments(wgpu::RenderPipeline),
+    /// A kernel, and its group 0.
+    Kernel(wgpu::ComputePipeline, Output),
 }
 
 impl Text {
-    /// The text of a pass.
+    /// The text of a pass, which is a kernel on that path if it can be.
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders, entry: &'static Entry) -> Result<Arc<Self>, BackendError> {
+    pub fn new(
+        gpu: &GpuDevice,
+        shaders: &Shaders,
+        path: GpuPath,
+        entry: &'static Entry,
+    ) -> Result<Arc<Self>, BackendError> {
         let text = shaders.text(&entry.program)?;
-        Ok(Self { entry, text, gpu: gpu.clone(), module: OnceLock::new() }.into())
+        Ok(Self { entry, text, gpu: gpu.clone(), path, module: OnceLock::new() }.into())
     }
 
     /// The variant with these values of the constants of its entry.
@@ -54,29 +79,59 @@ impl Text {
 
 impl Pass {
     /// Its pipeline; the device tells of a shader that does not compile.
-    pub fn pipeline(&self) -> &wgpu::RenderPipeline {
+    pub fn pipeline(&self) -> &Pipeline {
         self.variant.pipeline.get_or_init(|| self.variant.build())
+    }
+
+    /// The device that it is compiled on.
+    pub fn gpu(&self) -> &GpuDevice {
+        &self.variant.text.gpu
     }
 }
 
 impl Variant {
-    fn build(&self) -> wgpu::RenderPipeline {
-        let (gpu, module) = (&self.text.gpu, self.text.module());
-        let Entry { program, groups, targets, has_depth, constants } = self.text.entry;
-        let label = Some(program.name);
-        let groups: Vec<_> = groups.iter().map(|group| Some(group.on(gpu))).collect();
-        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label,
-            bind_group_layouts: &groups.iter().map(Option::as_ref).collect::<Vec<_>>(),
+    fn build(&self) -> Pipeline {
+        let Text { entry, path, .. } = &*self.text;
+        let constants: Vec<_> = entry.constants.iter().copied().zip(self.values.iter().copied()).collect();
+        let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        match entry.program.output {
+            Some(output) if *path == GpuPath::Compute => self.kernel(output, options),
+            _ => Pipeline::Fragments(self.fragments(options)),
+        }
+    }
+
+    fn layout(&self, groups: &[wgpu::BindGroupLayout]) -> wgpu::PipelineLayout {
+        let groups: Vec<_> = groups.iter().map(Some).collect();
+        self.text.gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(self.text.entry.program.name),
+            bind_group_layouts: &groups,
             immediate_size: 0,
+        })
+    }
+
+    fn kernel(&self, output: Output, compilation_options: wgpu::PipelineCompilationOptions) -> Pipeline {
+        let (Text { gpu, entry, .. }, module) = (&*self.text, self.text.module());
+        let groups: Vec<_> = [&output].into_iter().chain(&entry.groups[1..]).map(|group| group.on(gpu)).collect();
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry.program.name),
+            layout: Some(&self.layout(&groups)),
+            module,
+            entry_point: Some("compute"),
+            compilation_options,
+            cache: None,
         });
-        let target = |&format: &wgpu::TextureFormat| {
+        Pipeline::Kernel(pipeline, output)
+    }
+
+    fn fragments(&self, compilation_options: wgpu::PipelineCompilationOptions) -> wgpu::RenderPipeline {
+        let (Text { gpu, entry, .. }, module) = (&*self.text, self.text.module());
+        let groups: Vec<_> = entry.groups.iter().map(|group| group.on(gpu)).collect();
+        let target = |format: wgpu::TextureFormat| {
             Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL })
         };
-        let constants: Vec<_> = constants.iter().copied().zip(self.values.iter().copied()).collect();
         gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label,
-            layout: Some(&layout),
+            label: Some(entry.program.name),
+            layout: Some(&self.layout(&groups)),
             vertex: wgpu::VertexState {
                 module,
                 entry_point: Some("vertex"),
@@ -84,13 +139,13 @@ impl Variant {
                 buffers: &[],
             },
             primitive: Default::default(),
-            depth_stencil: has_depth.then(depth),
+            depth_stencil: entry.has_depth.then(depth),
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
                 module,
                 entry_point: Some("fragment"),
-                compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
-                targets: &targets.iter().map(target).collect::<Vec<_>>(),
+                compilation_options,
+                targets: &entry.formats().into_iter().map(target).collect::<Vec<_>>(),
             }),
             multiview_mask: None,
             cache: None,

@@ -11,6 +11,7 @@ pub mod format {
     pub const DEPTH: Format = Format::Depth32Float;
     pub const TRIANGLE: Format = Format::R32Uint;
     pub const GEOMETRY: Format = Format::Rgba32Uint;
+    pub const BITS: Format = Format::Rgba32Uint;
     pub const FLOATS: Format = Format::Rgba32Float;
     pub const MARKS: Format = Format::Rgba32Uint;
     /// Values and work of a part of the light.
@@ -40,6 +41,8 @@ pub struct Targets {
     pub lattices: [Option<[Sums; 2]>; LightPart::COUNT],
     /// A texel of zeros, in place of parts that the light does not have.
     pub nothing: Sums,
+    /// Rays to suns that meet nothing, if suns shine.
+    pub suns_seen: Option<Target>,
     /// Of a picture whose mirrors show the scene.
     pub mirrored: Option<Mirrored>,
     pub shown: Target,
@@ -119,14 +122,17 @@ impl Targets {
             parts: Default::default(),
             lattices: Default::default(),
             nothing: Sums::new(gpu, [1, 1]),
+            suns_seen: None,
             mirrored: None,
             shown: target("shown", format::SHOWN),
         }
     }
 
-    /// Makes room for the parts of a light, and frees the others.
-    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; LightPart::COUNT]) {
+    /// Makes room for the parts of a light, and for rays to suns if these shine; frees the others.
+    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; LightPart::COUNT], suns: bool) {
         let size = self.size;
+        let seen = || target(gpu, "suns seen", format::BITS, size);
+        self.suns_seen = suns.then(|| self.suns_seen.take().unwrap_or_else(seen));
         for (sums, shown) in self.parts.iter_mut().zip(parts) {
             *sums = if shown { sums.take().or_else(|| Some([0, 1].map(|_| Sums::new(gpu, size)))) } else { None };
         }
@@ -149,7 +155,13 @@ pub fn target(gpu: &GpuDevice, label: &str, format: Format, size: [u32; 2]) -> T
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: if format == format::DEPTH { usages } else { usages | wgpu::TextureUsages::COPY_SRC },
+        usage: match format {
+            format::DEPTH => usages,
+            format::FLOATS | format::GEOMETRY => {
+                usages | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::STORAGE_BINDING
+            }
+            _ => usages | wgpu::TextureUsages::COPY_SRC,
+        },
         view_formats: &[],
     });
     let view = texture.create_view(&Default::default());

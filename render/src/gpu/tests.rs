@@ -10,6 +10,7 @@ mod kept;
 mod meshless;
 mod mirrors;
 mod opacity;
+mod paths;
 mod posed;
 mod reflection;
 mod sketch;

@@ -28,7 +28,7 @@ use wide::f32x8;
 const STEP: Vec2 = Vec2::new(0.754_877_67, 0.569_840_3);
 
 /// Cells along each edge of a light with an extent.
-const CELLS: u32 = 4;
+pub(crate) const CELLS: u32 = 4;
 /// Number of cells.
 const ALL_CELLS: usize = (CELLS * CELLS) as usize;
 
@@ -182,7 +182,7 @@ impl DirectShader<'_> {
 }
 
 /// The cells of a light with an extent: the corner of each in cells, and the target of its ray in it.
-fn cells(shift: Vec2) -> [(Vec2, Vec2); ALL_CELLS] {
+pub(crate) fn cells(shift: Vec2) -> [(Vec2, Vec2); ALL_CELLS] {
     from_fn(|cell| {
         let corner = Vec2::new((cell % CELLS as usize) as f32, (cell / CELLS as usize) as f32);
         (corner, (shift + STEP * cell as f32).fract())

@@ -1,11 +1,24 @@
-//! The option that selects the rendering device, for the window and all commands.
+//! The options that select the rendering device, for the window and all commands.
 
 use crate::terminal::remedy_option;
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 use lapidary_render::{
     Backend, BackendError, CpuBackend,
-    gpu::{GpuBackend, Room, ShaderSource},
+    gpu::{GpuBackend, GpuPath, Room, ShaderSource, SharedDevice, faster_path},
 };
+use serde::{Deserialize, Serialize};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Where and how pictures are rendered.
+#[derive(Args, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DeviceArgs {
+    /// Rendering device
+    #[arg(long, value_enum, default_value_t)]
+    pub backend: BackendOption,
+    /// What the graphics adapter runs for each pixel; both give the same pixels
+    #[arg(long, value_enum, default_value_t)]
+    gpu_path: PathOption,
+}
 
 /// Rendering device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -19,28 +32,74 @@ pub enum BackendOption {
     Cpu,
 }
 
+/// What the adapter runs for each pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum PathOption {
+    /// What is faster there, by a measurement of some milliseconds
+    #[default]
+    Auto,
+    /// A fragment shader
+    Fragment,
+    /// A compute shader
+    Compute,
+}
+
+/// The path that was faster on an adapter.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MeasuredPath {
+    /// Its name.
+    pub adapter: String,
+    /// What is faster there.
+    pub path: GpuPath,
+}
+
+/// What was measured last, if anything was.
+pub type PathMemory = Arc<Mutex<Option<MeasuredPath>>>;
+
 /// Environment variable with a folder of shaders that replaces the program's own, for shader work: they reload on change.
 const SHADERS: &str = "LAPIDARY_SHADERS";
 
-impl BackendOption {
+impl DeviceArgs {
+    /// The graphics adapter, even an emulated one.
+    pub const GPU: Self = Self { backend: BackendOption::Gpu, gpu_path: PathOption::Auto };
+    /// The CPU.
+    pub const CPU: Self = Self { backend: BackendOption::Cpu, gpu_path: PathOption::Auto };
+
     /// The renderer on the adapter, or `None` for the CPU.
     ///
     /// # Errors
     /// No adapter, or a refusing driver, if an adapter is required.
     pub fn gpu(self) -> Result<Option<GpuBackend>, BackendError> {
-        match self {
-            Self::Cpu => Ok(None),
-            Self::Gpu => GpuBackend::new(Room::All, &shader_source()).map(Some),
-            // An emulated adapter would only use the same cores more slowly.
-            Self::Auto => match GpuBackend::on_hardware(Room::All, &shader_source()) {
-                Ok(gpu) => Ok(Some(gpu)),
-                Err(BackendError::NoAdapter { .. }) => Ok(None),
-                Err(error) => {
-                    eprintln!("warning: rendering on the CPU: {}", error.text(remedy_option));
-                    Ok(None)
-                }
-            },
+        self.gpu_with(&PathMemory::default())
+    }
+
+    /// The same, which measures nothing that it remembers.
+    fn gpu_with(self, memory: &PathMemory) -> Result<Option<GpuBackend>, BackendError> {
+        if self.backend == BackendOption::Cpu {
+            return Ok(None);
         }
+        match (self.on_adapter(memory), self.backend) {
+            (Err(BackendError::NoAdapter { .. }), BackendOption::Auto) => Ok(None),
+            (Err(error), BackendOption::Auto) => {
+                eprintln!("warning: rendering on the CPU: {}", error.text(remedy_option));
+                Ok(None)
+            }
+            (opened, _) => opened,
+        }
+    }
+
+    /// An emulated adapter would only use the same cores more slowly: only who asks for it has it.
+    fn on_adapter(self, memory: &PathMemory) -> Result<Option<GpuBackend>, BackendError> {
+        let device = SharedDevice::new(Room::All)?;
+        if self.backend == BackendOption::Auto && device.is_emulated() {
+            return Ok(None);
+        }
+        let path = match self.gpu_path {
+            PathOption::Fragment => GpuPath::Fragment,
+            PathOption::Compute => GpuPath::Compute,
+            PathOption::Auto => remembered(&device, memory)?,
+        };
+        GpuBackend::new(device, &shader_source(), path).map(Some)
     }
 
     /// The renderer.
@@ -48,11 +107,34 @@ impl BackendOption {
     /// # Errors
     /// As [`Self::gpu`].
     pub fn open(self) -> Result<Box<dyn Backend>, BackendError> {
-        Ok(match self.gpu()? {
+        self.open_with(&PathMemory::default())
+    }
+
+    /// The renderer, which measures nothing that it remembers.
+    ///
+    /// # Errors
+    /// As [`Self::gpu`].
+    pub fn open_with(self, memory: &PathMemory) -> Result<Box<dyn Backend>, BackendError> {
+        Ok(match self.gpu_with(memory)? {
             Some(gpu) => Box::new(gpu),
             None => Box::new(CpuBackend::new()),
         })
     }
+}
+
+/// The path that is faster on a device: as it is remembered, or measured now. An emulated one runs both on the same cores; there it is
+/// fragments, and Mesa 22.3 fails in some kernels.
+fn remembered(device: &SharedDevice, memory: &PathMemory) -> Result<GpuPath, BackendError> {
+    if device.is_emulated() {
+        return Ok(GpuPath::Fragment);
+    }
+    let mut memory = memory.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = memory.as_ref().filter(|known| known.adapter == device.name()) {
+        return Ok(known.path);
+    }
+    let path = faster_path(device)?;
+    *memory = Some(MeasuredPath { adapter: device.name().into(), path });
+    Ok(path)
 }
 
 /// The program's own shaders, or the folder in the environment variable.

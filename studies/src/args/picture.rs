@@ -1,6 +1,6 @@
 //! Picture options shared by `render` and `sequence`.
 
-use super::{BackendOption, ViewedScene, choices};
+use super::{DeviceArgs, ViewedScene, choices};
 use crate::values;
 use anyhow::Result;
 use clap::Args;
@@ -26,9 +26,9 @@ pub struct PictureArgs {
     /// Tone curve of png files
     #[arg(long, default_value = "standard", value_parser = choices::tone_map())]
     tone_map: ToneMap,
-    /// Rendering device
-    #[arg(long, value_enum, default_value_t)]
-    pub backend: BackendOption,
+    /// Where and how they are rendered.
+    #[command(flatten)]
+    pub device: DeviceArgs,
 }
 
 impl PictureArgs {

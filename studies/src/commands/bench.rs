@@ -8,9 +8,11 @@ mod implicit;
 mod json;
 mod passes;
 mod resolve;
+mod suite;
 
 use crate::{
     args::{LocalLightArgs, ViewArgs},
+    bundled::DataFolder,
     outputs::CommandFiles,
     terminal::{Console, Outcome},
     timing::median,
@@ -20,6 +22,8 @@ use anyhow::Result;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use json::JsonArgs;
 use passes::PassesArgs;
+use std::path::PathBuf;
+use suite::SuiteArgs;
 
 /// Options for the picture of a dataset, by name or by group.
 const PICTURE: [&str; 8] = [
@@ -57,6 +61,11 @@ pub struct BenchArgs {
     // Last, because its heading would otherwise apply to the following options.
     #[command(flatten)]
     against: AgainstArgs,
+    #[command(flatten)]
+    suite: SuiteArgs,
+    /// Folder with the bundled scenes and environments, for --against and --gpu-suite [default: in the source tree]
+    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
+    data: Option<PathBuf>,
 }
 
 /// A view of a dataset; `None` beside another program, which uses given scenes.
@@ -66,7 +75,8 @@ struct ViewUnlessAgainst(Option<ViewArgs>);
 /// Written by hand, because clap sees no members in an optional group of groups.
 impl Args for ViewUnlessAgainst {
     fn augment_args(command: Command) -> Command {
-        ViewArgs::augment_args(command).mut_arg("file", |file| file.required(false).required_unless_present("against"))
+        ViewArgs::augment_args(command)
+            .mut_arg("file", |file| file.required(false).required_unless_present_any(["against", "gpu_suite"]))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -89,7 +99,7 @@ impl BenchArgs {
     /// Files that it reads and writes.
     pub fn files(&self) -> CommandFiles {
         let files = self.view.0.as_ref().map_or_else(|| self.against.files(), |view| view.files(&self.local));
-        files.writes(self.json.output())
+        files.reads(&self.data).writes(self.json.output())
     }
 }
 
@@ -99,7 +109,12 @@ impl BenchArgs {
 /// Unreadable files, or no adapter if one is required.
 pub fn run(args: &BenchArgs, console: Console) -> Result<Outcome> {
     let Some(view) = &args.view.0 else {
-        return against::run(&args.against, &args.json, console);
+        let data = DataFolder::find(args.data.as_deref())?;
+        if args.suite.gpu_suite {
+            suite::run(&data, &args.json, console)?;
+            return Ok(Outcome::Done);
+        }
+        return against::run(&args.against, &data, &args.json, console);
     };
     let viewed = view.resolve(&args.local, console)?;
     match args.surfels.is_empty() {
@@ -126,6 +141,7 @@ mod tests {
         let bench = |text: &str| parsed(text).map(|options| options.bench);
         assert!(bench("a.cuts --size 8x6 --env none --frames 1").is_ok_and(|bench| bench.view.0.is_some()));
         assert!(bench("--against old --fail-above 1.1 --json").is_ok_and(|bench| bench.view.0.is_none()));
+        assert!(bench("--gpu-suite --json").is_ok_and(|bench| bench.view.0.is_none() && bench.suite.gpu_suite));
         let surfels = bench("a.cuts --surfels 1024,4096 --frames 3 --backend cpu --json");
         assert!(surfels.is_ok_and(|bench| bench.surfels == [1024, 4096]));
         assert!(bench("a.cuts --drag o --env none --size 8x6 --roughness 1").is_ok());
@@ -162,6 +178,10 @@ mod tests {
             "a.cuts --edits m --illum-cuts 256",
             "--fail-above 2",
             "a.cuts --fail-above 2",
+            "--gpu-suite a.cuts",
+            "--gpu-suite --against old",
+            "--gpu-suite --frames 3",
+            "--gpu-suite --size 8x6",
         ];
         for text in refused {
             assert!(parsed(text).is_err(), "{text}");

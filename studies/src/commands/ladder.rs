@@ -1,7 +1,7 @@
 //! `lapidary ladder`: the sufficient size of the illumination cut for a picture, and a comparison with lit cuts.
 
 use crate::{
-    args::{BackendOption, LocalLightArgs, ViewArgs, choices, warn_of_buried},
+    args::{DeviceArgs, LocalLightArgs, ViewArgs, choices, warn_of_buried},
     ladder::{self, Ladder, Settings, Summary, climb},
     outputs::{CommandFiles, take_folder},
     terminal::{Console, Outcome, ProgressReporter, StepProgress, write_json},
@@ -29,9 +29,9 @@ pub struct LadderArgs {
     /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1, for the picture of lit cuts
     #[arg(long, value_name = "TAU", default_value_t = DEFAULT_TAU, value_parser = values::share)]
     lit_cuts: f32,
-    /// Rendering device for the pictures; the reference is traced on the CPU
-    #[arg(long, value_enum, default_value_t)]
-    backend: BackendOption,
+    // The reference is traced on the CPU.
+    #[command(flatten)]
+    device: DeviceArgs,
     #[command(flatten)]
     local: LocalLightArgs,
     #[command(flatten)]
@@ -58,7 +58,7 @@ pub fn run(args: &LadderArgs, console: Console) -> Result<Outcome> {
     let viewed = args.view.resolve(&args.local, console)?;
     let look = Look { tau: args.lit_cuts, sampling: args.brdf, ..viewed.look()? };
     warn_of_buried(&look.renderer(&viewed.baked), &look.lights, console);
-    let mut scene = LitScene::new(args.backend.open()?, viewed.baked)?;
+    let mut scene = LitScene::new(args.device.open()?, viewed.baked)?;
     let progress = StepProgress::new("reference", "pixels", &interrupt, console.quiet);
     let settings = Settings::sizes(&args.illum_cuts, &look);
     let ladder = climb(&mut scene, &look, &settings, None, &progress, &mut |found| {

@@ -1,7 +1,7 @@
 //! `lapidary predict`: the error of a picture before tracing any ray, and its reliability.
 
 use crate::{
-    args::{BackendOption, LocalLightArgs, ViewArgs, ViewedScene, choices},
+    args::{DeviceArgs, LocalLightArgs, ViewArgs, ViewedScene, choices},
     export::check_pictures,
     outputs::CommandFiles,
     terminal::{Console, Interrupted, Outcome, ProgressReporter, StepProgress, write_json},
@@ -120,7 +120,7 @@ fn calibration(
     let view = View { background: Background::Flat(Vec3::ZERO), ..view.clone() };
     let look = Look::under_environment(&baked.dataset.scene, view.clone(), light.clone());
     let look = Look { illum_cut: args.illum_cut, sampling: args.brdf, ..look };
-    let test = LitScene::new(BackendOption::Cpu.open()?, baked.clone())?.show_whole(&look)?.image;
+    let test = LitScene::new(DeviceArgs::CPU.open()?, baked.clone())?.show_whole(&look)?.image;
     let progress = StepProgress::new("reference", "pixels", interrupt, console.quiet);
     let reference = renderer.samples_reference(&view, light, &progress);
     progress.finish();

@@ -84,7 +84,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     let look = args.shown(args.picture.look(&viewed)?, &viewed.baked.dataset)?;
     let layers = wanted_layers(args.layers.as_ref(), &look)?;
     let baked = viewed.baked.clone();
-    let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
+    let mut studio = Studio::new(args.picture.device.open()?, baked.clone())?;
     warn_of_buried(&look.renderer(&baked), &viewed.local.lights, console);
     let finished = Finished::take(&mut studio, &look, &layers, &|| false)?;
     studio.remarks().iter().for_each(|remark| console.warning(remark));

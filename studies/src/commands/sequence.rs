@@ -89,7 +89,7 @@ pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
     let prepared = task.prepare(&viewed.baked.dataset)?;
     let start = Instant::now();
     let baked = viewed.baked.clone();
-    let mut studio = Studio::new(args.picture.backend.open()?, baked.clone())?;
+    let mut studio = Studio::new(args.picture.device.open()?, baked.clone())?;
     warn_of_buried(&Renderer::new(baked), &viewed.local.lights, console);
     let progress = StepProgress::new("sequence", "frames", &interrupt, console.quiet);
     let end = task.run(prepared, &mut studio, &progress);

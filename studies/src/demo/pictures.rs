@@ -1,6 +1,6 @@
 //! Pictures of the still life: from a look to files and figures.
 
-use crate::{args::BackendOption, bundled::Environments, export::settings};
+use crate::{args::DeviceArgs, bundled::Environments, export::settings};
 use anyhow::Result;
 use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_interchange::image;
@@ -57,7 +57,7 @@ impl<'a> StillLife<'a> {
     /// # Errors
     /// None on this machine's cores.
     pub fn new(dataset: &Arc<Dataset>, environments: &'a Environments, out: &'a Path) -> Result<Self> {
-        let scene = LitScene::new(BackendOption::Cpu.open()?, dataset.clone().into())?;
+        let scene = LitScene::new(DeviceArgs::CPU.open()?, dataset.clone().into())?;
         Ok(Self { scene, environments, out })
     }
 

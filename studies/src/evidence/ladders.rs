@@ -2,7 +2,7 @@
 
 use super::{Measurement, cases::Case, notebook::Notebook};
 use crate::{
-    args::BackendOption,
+    args::DeviceArgs,
     ladder::{self, Found, Settings, Summary, Truth},
     report::text::seconds,
     terminal::Interrupted,
@@ -111,7 +111,7 @@ fn climb(measurement: &Measurement, case: &Case, lit: LitCase) -> Result<SceneLa
     measurement.steps.begin(&format!("ladder of {name}"));
     let prefix = format!("fig7-{name}-");
     let progress = measurement.steps.progress("reference", "pixels");
-    let mut scene = LitScene::new(BackendOption::Cpu.open()?, baked)?;
+    let mut scene = LitScene::new(DeviceArgs::CPU.open()?, baked)?;
     let write = &mut |found: Found| ladder::write_picture(found, measurement.out, &prefix);
     let ladder = ladder::climb(&mut scene, &look, &Settings::of(&look), None, &progress, write)?;
     progress.finish();

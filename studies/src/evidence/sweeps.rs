@@ -8,7 +8,7 @@ use super::{
     variants::{Variant, VariantBaker},
 };
 use crate::{
-    args::BackendOption,
+    args::DeviceArgs,
     bounces::light_paths::LightPaths,
     ladder::{Cuts, Settings, Truth, climb},
     report::{
@@ -191,7 +191,7 @@ impl Sweeper<'_> {
         let scale = self.measurement.scale;
         let look = self.measurement.lit_from_afar(dataset, scale.view);
         let settings = Settings { cuts: vec![Cuts::Refine(scale.sweep_cut)], frames: 1 };
-        let mut scene = LitScene::new(BackendOption::Cpu.open()?, dataset.clone().into())?;
+        let mut scene = LitScene::new(DeviceArgs::CPU.open()?, dataset.clone().into())?;
         let known = Some(truth.clone());
         let ladder = climb(&mut scene, &look, &settings, known, &Quiet, &mut |_| Ok(()))?;
         let step = ladder.and_then(|ladder| ladder.steps.into_iter().next()).ok_or(Interrupted)?;

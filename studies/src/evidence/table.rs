@@ -7,7 +7,7 @@ use super::{
     notebook::Notebook,
 };
 use crate::{
-    args::BackendOption,
+    args::DeviceArgs,
     ladder::{Cuts, time_frames},
     report::{
         table,
@@ -107,7 +107,7 @@ pub fn record(
         for LitCase { light, baked, look } in lit_cases(measurement, case, measurement.scale.frame) {
             measurement.steps.check()?;
             let dataset = baked.dataset.clone();
-            let mut scene = LitScene::new(BackendOption::Cpu.open()?, baked)?;
+            let mut scene = LitScene::new(DeviceArgs::CPU.open()?, baked)?;
             let cuts = CUT_SIZES.map(Cuts::Refine);
             let times = time_frames(&mut scene, &look, &cuts, measurement.scale.frames)?;
             let frames = CUT_SIZES.into_iter().zip(times).map(|(size, times)| FrameTimes::new(size, times)).collect();

@@ -7,9 +7,9 @@ use super::{
 use crate::{
     device::{layout, uniform},
     gpu::{
+        draw::{BoundFrame, bind, cleared, encode_areas, full_screen},
         groups::Kept,
         passes::{PartPass, Passes},
-        pipeline::Pass,
         targets::{Sums, Target},
     },
     stale::{LightPart, Marks, Pixels},
@@ -36,16 +36,17 @@ impl Progress {
             }),
             ..Default::default()
         });
-        bind(&mut pass, &passes.visibility, &[&picture.groups.frame, &picture.groups.scene]);
+        bind(&mut pass, &passes.visibility, &[&picture.groups.frame.group, &picture.groups.scene]);
         pass.draw(0..picture.corners, 0..1);
     }
 
     pub fn encode_deferred(&self, passes: &Passes, encoder: &mut wgpu::CommandEncoder) {
         let (targets, groups) = (self.targets(), &self.picture().groups);
+        let (frame, whole) = (&groups.frame, [Region::whole(targets.size)]);
         let outputs = [&targets.geometry, &targets.rotation];
-        full_screen(encoder, &passes.surface, &outputs, &[&groups.frame, &groups.scene, &groups.seen]);
+        encode_areas(encoder, &passes.surface, frame, &[&groups.scene, &groups.seen], &outputs, &whole);
         let outputs = [&targets.color_roughness];
-        full_screen(encoder, &passes.parameters, &outputs, &[&groups.frame, &groups.scene, &groups.surfaces]);
+        encode_areas(encoder, &passes.parameters, frame, &[&groups.scene, &groups.surfaces], &outputs, &whole);
     }
 
     /// What the pixels show of a sample, unless it is known.
@@ -54,7 +55,7 @@ impl Progress {
         let from = state.marks_front;
         (state.marked, state.marks_front) = (sample + 1, 1 - from);
         let groups = &self.picture().groups;
-        let bound = [&groups.frame, &groups.scene, &groups.patches, &groups.marks[from]];
+        let bound = [&groups.frame.group, &groups.scene, &groups.patches, &groups.marks[from]];
         full_screen(encoder, &passes.marks, &[&self.targets().marks[1 - from]], &bound);
     }
 
@@ -63,11 +64,11 @@ impl Progress {
     pub fn encode_parts(&self, passes: &Passes, encoder: &mut wgpu::CommandEncoder, stride: u32, areas: &[Region]) {
         let (picture, from) = (self.picture(), self.state().front);
         let groups = &picture.groups;
-        for PartPass { part, pass, light } in &picture.passes {
-            let bound = groups.sums[*part as usize].as_ref().zip(self.written(*part, stride));
+        let suns_seen = self.targets().suns_seen.as_ref();
+        for pass in &picture.passes {
+            let bound = groups.sums[pass.part as usize].as_ref().zip(self.written(pass.part, stride));
             let Some((sums, to)) = bound else { continue };
-            let outputs = [&to.value, &to.work];
-            encode_areas(encoder, pass, &[&groups.frame, &groups.scene, light, &sums[from]], &outputs, areas);
+            encode_part(encoder, pass, &groups.frame, (&groups.scene, &sums[from]), (suns_seen, to), areas);
         }
         self.encode_mirrors(passes, encoder, stride, areas);
     }
@@ -88,9 +89,9 @@ impl Progress {
             let bound = groups.sums[part as usize].as_ref().zip(groups.lattices[part as usize].as_ref());
             let Some(((sums, lattices), to)) = bound.zip(self.written(part, 1)) else { continue };
             let Some(lattice) = lattice(stride) else { continue };
-            let bound = [&groups.frame, &groups.scene, &lattices[lattice], &sums[front]];
+            let bound = [&groups.scene, &lattices[lattice], &sums[front]];
             let pass = &passes.sketch[usize::from(part != LightPart::Environment)];
-            encode_areas(encoder, pass, &bound, &[&to.value, &to.work], areas);
+            encode_areas(encoder, pass, &groups.frame, &bound, &[&to.value, &to.work], areas);
         }
     }
 
@@ -143,6 +144,22 @@ impl Progress {
     }
 }
 
+/// A pass that adds a sample to the sums of a part of the light, after the rays to suns that it needs. The points are those of the scene
+/// with their last sums.
+pub(super) fn encode_part(
+    encoder: &mut wgpu::CommandEncoder,
+    PartPass { pass, light, suns, .. }: &PartPass,
+    frame: &BoundFrame,
+    (scene, points): (&wgpu::BindGroup, &wgpu::BindGroup),
+    (suns_seen, to): (Option<&Target>, &Sums),
+    areas: &[Region],
+) {
+    if let Some(((pass, rays), seen)) = suns.as_ref().zip(suns_seen) {
+        encode_areas(encoder, pass, frame, &[scene, rays, points], &[seen], areas);
+    }
+    encode_areas(encoder, pass, frame, &[scene, light, points], &[&to.value, &to.work], areas);
+}
+
 fn stale_marks(Marks { materials, patches }: Marks) -> layout::StaleMarks {
     let words = |bits: u64| [bits as u32, (bits >> 32) as u32];
     layout::StaleMarks { materials: words(materials), patches: words(patches) }
@@ -168,57 +185,4 @@ pub(super) fn lattice(stride: u32) -> Option<usize> {
         4 => Some(1),
         _ => Some(0),
     }
-}
-
-fn attachment(target: &Target, load: wgpu::LoadOp<wgpu::Color>) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
-    Some(wgpu::RenderPassColorAttachment { view: &target.view, depth_slice: None, resolve_target: None, ops })
-}
-
-fn cleared(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    attachment(target, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT))
-}
-
-fn kept(target: &Target) -> Option<wgpu::RenderPassColorAttachment<'_>> {
-    attachment(target, wgpu::LoadOp::Load)
-}
-
-fn bind(drawing: &mut wgpu::RenderPass, pass: &Pass, groups: &[&wgpu::BindGroup]) {
-    drawing.set_pipeline(pass.pipeline());
-    for (i, group) in groups.iter().enumerate() {
-        drawing.set_bind_group(i as u32, *group, &[]);
-    }
-}
-
-/// A pass over some areas, which keeps the others.
-pub(super) fn encode_areas(
-    encoder: &mut wgpu::CommandEncoder,
-    pass: &Pass,
-    groups: &[&wgpu::BindGroup],
-    outputs: &[&Target],
-    areas: &[Region],
-) {
-    let attachments: Vec<_> = outputs.iter().map(|target| kept(target)).collect();
-    let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(pass.label),
-        color_attachments: &attachments,
-        ..Default::default()
-    });
-    bind(&mut drawing, pass, groups);
-    for area in areas {
-        drawing.set_scissor_rect(area.x, area.y, area.width, area.height);
-        drawing.draw(0..3, 0..1);
-    }
-}
-
-/// A pass over every pixel.
-pub fn full_screen(encoder: &mut wgpu::CommandEncoder, pass: &Pass, outputs: &[&Target], groups: &[&wgpu::BindGroup]) {
-    let attachments: Vec<_> = outputs.iter().map(|t| cleared(t)).collect();
-    let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(pass.label),
-        color_attachments: &attachments,
-        ..Default::default()
-    });
-    bind(&mut drawing, pass, groups);
-    drawing.draw(0..3, 0..1);
 }

@@ -1,7 +1,6 @@
 //! What the passes of a picture read, bound: each group as `gpu/groups.rs` declares it.
 
 use super::{
-    mirrors::PictureRays,
     pipelines::{MirroredFrames, Uniforms},
     progress::Progress,
     shown::Shown,
@@ -9,10 +8,11 @@ use super::{
 use crate::{
     device::{GpuDevice, GroupLayout},
     gpu::{
+        draw::BoundFrame,
         groups::{
-            Display, Frame, Lattice, Marks, MirroredLight, MirroredScene, Patches, Scene, SecondLight, Seen, Shading,
-            Surfaces,
+            Display, Lattice, Marks, MirroredLight, MirroredScene, Patches, Scene, SecondLight, Seen, Shading, Surfaces,
         },
+        picture_rays::PictureRays,
         targets::{Mirrored, MirroredPoints, Sums, Target, Targets},
     },
     shade::mirrors::DEEPEST,
@@ -23,7 +23,7 @@ use wgpu::{BindGroup, TextureView};
 
 /// Everything that the passes of a picture read, but what some add alone.
 pub struct Groups {
-    pub frame: BindGroup,
+    pub frame: BoundFrame,
     pub scene: BindGroup,
     pub seen: BindGroup,
     pub surfaces: BindGroup,
@@ -41,7 +41,7 @@ pub struct Groups {
 
 /// What the passes of mirrors read.
 pub struct MirroredGroups {
-    pub frames: MirroredFrames<BindGroup>,
+    pub frames: MirroredFrames<BoundFrame>,
     pub nothing: BindGroup,
     /// Of one mirror, and of a mirror in it.
     pub points: [MirroredPointGroups; DEEPEST as usize],
@@ -78,7 +78,7 @@ impl Groups {
         let shading = |from: &Sums| shading(gpu, &seen, from, shown);
         let mirrored = targets.mirrored.as_ref().zip(loaded.rays.as_ref());
         Self {
-            frame: Frame { frame: &uniforms.frame }.bind(gpu),
+            frame: BoundFrame::new(gpu, &uniforms.frame),
             scene: scene(gpu, shown),
             seen: Seen { triangle_ids }.bind(gpu),
             surfaces: Surfaces { geometry, environment_map: shown.map(), mirror_rays }.bind(gpu),
@@ -116,7 +116,10 @@ impl MirroredGroups {
             SecondLight { mirror_weights, mirrored_value, mirrored_geometry: &points.geometry.view }.bind(gpu)
         };
         Self {
-            frames: uniforms.mirrored.each_ref().map(|frames| frames.each_ref().map(|frame| Frame { frame }.bind(gpu))),
+            frames: uniforms
+                .mirrored
+                .each_ref()
+                .map(|frames| frames.each_ref().map(|frame| BoundFrame::new(gpu, frame))),
             nothing: GroupLayout::EMPTY.bind(gpu, &[]),
             points: [(points, &targets.geometry), (deeper, &points.geometry)]
                 .map(|(points, from)| MirroredPointGroups::new(gpu, shown, (points, from, rays))),

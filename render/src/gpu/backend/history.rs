@@ -1,16 +1,18 @@
 //! What is kept of a picture for one from another camera. Twin of `cpu/sketch/history.rs`.
 
-use super::{GpuBackend, encode::full_screen, picture::Picture, pipelines::Pipelines, progress::Progress};
+use super::{GpuBackend, picture::Picture, pipelines::Pipelines, progress::Progress};
 use crate::{
     backend::Backend,
-    device::{GpuDevice, layout::PastUniforms, uniform},
+    device::{GpuDevice, layout::PastUniforms, storage},
     error::BackendError,
     gpu::{
+        draw::encode_areas,
         groups::{Added, Past},
         targets::{Sums, Target, format, target},
     },
     stale::LightPart,
 };
+use lapidary_core::image::Region;
 
 /// The last picture.
 pub struct History {
@@ -82,6 +84,7 @@ impl Progress {
         let Some(history) = &self.history else { return };
         let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
         let (groups, targets, shown) = (&self.picture().groups, self.targets(), self.shown());
+        let whole = [Region::whole(targets.size)];
         for part in LightPart::ALL {
             let bound = history.parts[part as usize].as_ref().zip(groups.sums[part as usize].as_ref());
             let Some((to, sums)) = bound else { continue };
@@ -90,8 +93,8 @@ impl Progress {
             let added = added.map_or(&targets.nothing, |sums| &sums[shown]);
             let marks = &targets.marks[self.state().marks_front].view;
             let added = Added { added_value: &added.value.view, added_work: &added.work.view, marks }.bind(gpu);
-            let bound = [&groups.frame, &groups.scene, &added, &sums[shown]];
-            full_screen(encoder, &passes.history, &[&to.value, &to.work], &bound);
+            let bound = [&groups.scene, &added, &sums[shown]];
+            encode_areas(encoder, &passes.history, &groups.frame, &bound, &[&to.value, &to.work], &whole);
         }
     }
 
@@ -104,14 +107,15 @@ impl Progress {
     pub fn encode_predicted(&self, pipelines: &Pipelines, encoder: &mut wgpu::CommandEncoder) {
         let Some(history) = &self.history else { return };
         let (gpu, passes) = (pipelines.gpu(), &pipelines.passes);
-        let uniforms = &uniform(gpu, "past", bytemuck::bytes_of(&history.past));
+        let past = &storage(gpu, "past", bytemuck::bytes_of(&history.past));
         let (groups, front) = (&self.picture().groups, self.state().front);
+        let whole = [Region::whole(self.targets().size)];
         for part in LightPart::ALL {
             let kept = history.parts[part as usize].as_ref().zip(history.predicted(part));
             let Some(((from, to), sums)) = kept.zip(groups.sums[part as usize].as_ref()) else { continue };
-            let past = Past { past: uniforms, past_value: &from.value.view, past_place: &from.work.view }.bind(gpu);
-            let bound = [&groups.frame, &groups.scene, &past, &sums[front]];
-            full_screen(encoder, &passes.predict, &[to], &bound);
+            let past = Past { past, past_value: &from.value.view, past_place: &from.work.view }.bind(gpu);
+            let bound = [&groups.scene, &past, &sums[front]];
+            encode_areas(encoder, &passes.predict, &groups.frame, &bound, &[to], &whole);
         }
     }
 }

@@ -105,7 +105,7 @@ impl Backend for GpuBackend {
         self.progress.picture = None;
         self.compile_for(&fitted, false)?;
         let Self { pipelines, shown, .. } = self;
-        let uploaded = shown.scene.as_mut().map(|loaded| loaded.upload_rays(pipelines.gpu()));
+        let uploaded = shown.scene.as_mut().map(|loaded| loaded.upload_rays(pipelines.gpu(), false));
         if let Some(Err(error)) = uploaded {
             messages.push(format!("mirrors show the environment alone: {error}"));
         }
@@ -133,13 +133,18 @@ impl Backend for GpuBackend {
         progress.picture = None;
         shown.bounce.set(ShownBounce::of(lighting));
         let radius = shown.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
-        let remark = shown.local_lights.set(&lighting.shown_lights(), radius);
+        let mut remarks: Vec<String> = shown.local_lights.set(&lighting.shown_lights(), radius).into_iter().collect();
+        if let Some(loaded) = shown.scene.as_mut().filter(|_| shown.local_lights.have_suns())
+            && let Err(error) = loaded.upload_rays(pipelines.gpu(), true)
+        {
+            remarks.push(format!("suns shine without shadows: {error}"));
+        }
         if let Some(loaded) = &mut shown.scene {
             let posed = shown.bounce.light.posed.as_deref();
             loaded.scene.posed = posed::texture(pipelines.gpu(), posed, lighting.components.environment);
         }
         pipelines.gpu().check()?;
-        Ok(remark.into_iter().collect())
+        Ok(remarks)
     }
 
     fn begin(&mut self, view: &View, sampling: BrdfSampling) -> Result<(), BackendError> {

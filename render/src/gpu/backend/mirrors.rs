@@ -1,70 +1,22 @@
-//! Mirrors that show the scene: the hierarchy that their rays traverse, and their passes.
+//! Mirrors that show the scene: their passes.
 
 use super::{
-    encode::{clear, encode_areas, lattice},
+    encode::{clear, encode_part, lattice},
     groups::MirroredGroups,
     picture::Picture,
     progress::Progress,
 };
 use crate::{
-    baked::Baked,
-    device::{BoxHierarchy, GpuDevice, layout, storage, uniform},
-    error::BackendError,
     gpu::{
-        passes::{PartPass, Passes},
+        draw::{BoundFrame, encode_areas},
+        passes::Passes,
         pipeline::Pass,
-        targets::Mirrored,
+        targets::{Mirrored, Target},
     },
     shade::mirrors::DEEPEST,
     stale::LightPart,
-    view::View,
 };
-use lapidary_core::{ground::Ground, image::Region, offset, opacity::Opacities, ray::Intersector};
-
-/// What the rays of mirrors meet: all triangles, those of thin surfaces too.
-pub struct PictureRays {
-    pub uniforms: wgpu::Buffer,
-    pub nodes: wgpu::Buffer,
-    pub corners: wgpu::Buffer,
-    pub leaf_triangles: wgpu::Buffer,
-    largest_offset: f32,
-    /// First triangle of a ground.
-    ground: Option<u32>,
-}
-
-impl PictureRays {
-    /// Of a scene. Which surfaces let light through is for the pass to say.
-    ///
-    /// # Errors
-    /// A hierarchy that the adapter has no room for.
-    pub fn new(gpu: &GpuDevice, baked: &Baked) -> Result<Self, BackendError> {
-        let mesh = &baked.dataset.scene.mesh;
-        let own;
-        let intersector = if baked.intersector().has_veils() {
-            own = Intersector::quick(mesh, &Opacities::default());
-            &own
-        } else {
-            baked.intersector()
-        };
-        let BoxHierarchy { nodes, corners } = BoxHierarchy::new(gpu, intersector)?;
-        let ids: &[u32] = intersector.leaf_triangle_ids();
-        let leaf_triangles =
-            storage(gpu, "leaf triangles", bytemuck::cast_slice(if ids.is_empty() { &[0] } else { ids }));
-        let uniforms = uniform(gpu, "mirrored scene", &[0; size_of::<layout::MirroredScene>()]);
-        let largest_offset = offset::LARGEST * mesh.bounds().diagonal();
-        let ground = mesh.ground.map(|start| start.triangle);
-        Ok(Self { uniforms, nodes, corners, leaf_triangles, largest_offset, ground })
-    }
-
-    /// Takes what a view shows of the ground.
-    pub fn set_view(&self, gpu: &GpuDevice, view: &View) {
-        let ground = self.ground.unwrap_or(u32::MAX);
-        let shows_ground = u32::from(view.ground() != Ground::Off);
-        let largest_offset = self.largest_offset;
-        let uniforms = layout::MirroredScene { ground, shows_ground, largest_offset, padding: 0 };
-        gpu.queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
-    }
-}
+use lapidary_core::image::Region;
 
 /// What encodes the passes of mirrors.
 #[derive(Clone, Copy)]
@@ -73,6 +25,8 @@ struct Encoding<'e> {
     picture: &'e Picture,
     groups: &'e MirroredGroups,
     targets: &'e Mirrored,
+    /// Rays to suns that meet nothing.
+    suns_seen: Option<&'e Target>,
     areas: &'e [Region],
 }
 
@@ -85,7 +39,8 @@ impl Progress {
         let targets = self.targets().mirrored.as_ref().zip(self.written(LightPart::Mirrors, stride));
         let bound = groups.mirrored.as_ref().zip(groups.sums[LightPart::Mirrors as usize].as_ref());
         let Some(((targets, to), (bound, sums))) = targets.zip(bound) else { return };
-        let encoding = Encoding { passes, picture, groups: bound, targets, areas };
+        let suns_seen = self.targets().suns_seen.as_ref();
+        let encoding = Encoding { passes, picture, groups: bound, targets, suns_seen, areas };
         let [sharp, second] = &passes.mirror_rays;
         let seen = (&groups.frame, &sums[from]);
         encoding.rays(encoder, second, 0, seen);
@@ -94,15 +49,16 @@ impl Progress {
         encode_areas(
             encoder,
             &passes.second_rays,
-            &[&groups.frame, &bound.nothing, &bound.second[last]],
+            &groups.frame,
+            &[&bound.nothing, &bound.second[last]],
             &outputs,
             areas,
         );
         encoding.rays(encoder, sharp, 0, seen);
         let last = encoding.light_with_mirrors(encoder);
         let first = lattice(stride).map_or(1 - from, |lattice| 2 + lattice);
-        let shading = [&groups.frame, &groups.scene, &bound.light[last][first], &sums[from]];
-        encode_areas(encoder, &passes.mirrors, &shading, &[&to.value, &to.work], areas);
+        let shading = [&groups.scene, &bound.light[last][first], &sums[from]];
+        encode_areas(encoder, &passes.mirrors, &groups.frame, &shading, &[&to.value, &to.work], areas);
     }
 }
 
@@ -116,17 +72,17 @@ impl Encoding<'_> {
         encoder: &mut wgpu::CommandEncoder,
         rays: &Pass,
         mirrors: usize,
-        (frame, seen): (&wgpu::BindGroup, &wgpu::BindGroup),
+        (frame, seen): (&BoundFrame, &wgpu::BindGroup),
     ) {
         let Self { passes, groups, areas, .. } = self;
         let (scene, points, targets) =
             (&self.picture.groups.scene, &groups.points[mirrors], &self.targets.points[mirrors]);
         let outputs = [&targets.rays, &targets.weights];
-        encode_areas(encoder, rays, &[frame, scene, &groups.nothing, seen], &outputs, areas);
+        encode_areas(encoder, rays, frame, &[scene, &groups.nothing, seen], &outputs, areas);
         let outputs = [&targets.geometry, &targets.rotation];
-        encode_areas(encoder, &passes.mirrored_surface, &[frame, scene, &points.scene], &outputs, areas);
-        let bound = [&groups.frames[mirrors][0], scene, &points.surfaces];
-        encode_areas(encoder, &passes.parameters, &bound, &[&targets.color_roughness], areas);
+        encode_areas(encoder, &passes.mirrored_surface, frame, &[scene, &points.scene], &outputs, areas);
+        let (frame, bound) = (&groups.frames[mirrors][0], [scene, &points.surfaces]);
+        encode_areas(encoder, &passes.parameters, frame, &bound, &[&targets.color_roughness], areas);
         clear(encoder, &targets.sums[0]);
     }
 
@@ -134,11 +90,10 @@ impl Encoding<'_> {
     fn light(self, encoder: &mut wgpu::CommandEncoder, (points, passes): (usize, usize)) -> usize {
         let (targets, groups) = (&self.targets.points[points], &self.groups.points[points]);
         let passes = self.picture.mirrored[passes].iter().zip(&self.groups.frames[passes]);
-        passes.enumerate().fold(0, |read, (index, (PartPass { pass, light, .. }, frame))| {
+        passes.enumerate().fold(0, |read, (index, (pass, frame))| {
             let written = (index + 1) % 2;
-            let shading = [frame, &self.picture.groups.scene, light, &groups.shading[read]];
-            let sums = &targets.sums[written];
-            encode_areas(encoder, pass, &shading, &[&sums.value, &sums.work], self.areas);
+            let points = (&self.picture.groups.scene, &groups.shading[read]);
+            encode_part(encoder, pass, frame, points, (self.suns_seen, &targets.sums[written]), self.areas);
             written
         })
     }
@@ -151,9 +106,9 @@ impl Encoding<'_> {
         let deeper = self.light(encoder, (1, AS_BAKED));
         let read = self.light(encoder, (0, 0));
         let frame = &groups.frames[0][picture.mirrored[0].len()];
-        let shading = [frame, &picture.groups.scene, &groups.deeper[deeper], &points.shading[read]];
+        let shading = [&picture.groups.scene, &groups.deeper[deeper], &points.shading[read]];
         let sums = &self.targets.points[0].sums[1 - read];
-        encode_areas(encoder, &passes.mirrors, &shading, &[&sums.value, &sums.work], areas);
+        encode_areas(encoder, &passes.mirrors, frame, &shading, &[&sums.value, &sums.work], areas);
         1 - read
     }
 }

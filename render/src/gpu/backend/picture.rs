@@ -98,9 +98,9 @@ impl GpuBackend {
         progress.make_room(pipelines.gpu(), view.size);
         let catches = shown.upload(pipelines, view)?;
         let mirrors = shown.prepare_mirrors(pipelines, view, sampling);
-        progress.set_parts(pipelines.gpu(), shown.parts(view.mode, mirrors));
+        progress.set_parts(pipelines.gpu(), shown.parts(view.mode, mirrors), shown.prepare_suns(pipelines.gpu(), view));
         let groups = Groups::new(pipelines.gpu(), &pipelines.uniforms, shown, progress);
-        let (passes, mirrored) = shown.passes(pipelines, (view, sampling), &groups)?;
+        let (passes, mirrored) = shown.passes(pipelines, (view, sampling), (&groups, progress.targets()))?;
         // As on the CPU and in the legend, whether the environment is shown or not.
         let illum_cut = shown.environment.light.as_ref().map_or(0, |(light, _)| light.tree.max_nodes);
         Ok(Picture {

@@ -3,7 +3,10 @@
 use crate::{
     device::{GpuDevice, ShaderSource, Shaders, SharedDevice, is_emulated, layout},
     error::BackendError,
-    gpu::passes::{MergeVariant, Passes},
+    gpu::{
+        passes::{MergeVariant, Passes},
+        pipeline::GpuPath,
+    },
     measure::compare::map::magma_stops,
     remedy::Remedy,
     shade::mirrors::DEEPEST,
@@ -19,6 +22,8 @@ pub struct Pipelines {
     pub passes: Passes,
     /// What the passes are compiled from.
     pub shaders: Shaders,
+    /// How those run that have a kernel.
+    pub path: GpuPath,
     pub uniforms: Uniforms,
 }
 
@@ -39,11 +44,11 @@ impl Pipelines {
     ///
     /// # Errors
     /// A shader that cannot be read, or does not compile if it is one of a folder.
-    pub fn new(device: SharedDevice, source: &ShaderSource) -> Result<Self, BackendError> {
+    pub fn new(device: SharedDevice, source: &ShaderSource, path: GpuPath) -> Result<Self, BackendError> {
         let shaders = Shaders { source: source.clone(), ..Default::default() };
         let is_edited = matches!(source, ShaderSource::Folder(_));
-        let passes = passes(&device.gpu, &shaders, is_edited.then_some(&[]))?;
-        Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders })
+        let passes = passes(&device.gpu, &shaders, path, is_edited.then_some(&[]))?;
+        Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders, path })
     }
 
     /// The device itself.
@@ -59,7 +64,7 @@ impl Pipelines {
     pub fn compile(&mut self, shaders: Shaders) -> Result<(), BackendError> {
         let (gpu, variants) = (&self.device.gpu, self.passes.variants());
         let is_edited = matches!(shaders.source, ShaderSource::Folder(_));
-        self.passes = passes(gpu, &shaders, (is_edited || !is_emulated(&gpu.info)).then_some(&variants))?;
+        self.passes = passes(gpu, &shaders, self.path, (is_edited || !is_emulated(&gpu.info)).then_some(&variants))?;
         self.shaders = shaders;
         Ok(())
     }
@@ -88,8 +93,13 @@ impl Pipelines {
 
 /// Passes from some shaders, compiled now with some variants of the merge, or at their first use. Shaders of a folder are being worked on:
 /// errors in them are told at once.
-fn passes(gpu: &GpuDevice, shaders: &Shaders, now: Option<&[MergeVariant]>) -> Result<Passes, BackendError> {
-    let mut passes = Passes::new(gpu, shaders)?;
+fn passes(
+    gpu: &GpuDevice,
+    shaders: &Shaders,
+    path: GpuPath,
+    now: Option<&[MergeVariant]>,
+) -> Result<Passes, BackendError> {
+    let mut passes = Passes::new(gpu, shaders, path)?;
     now.map_or(Ok(()), |variants| passes.compile(gpu, variants))?;
     Ok(passes)
 }

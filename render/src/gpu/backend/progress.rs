@@ -71,9 +71,9 @@ impl Progress {
     }
 
     /// Makes room for the parts of a light, and for what the last picture tells of them.
-    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; LightPart::COUNT]) {
+    pub fn set_parts(&mut self, gpu: &GpuDevice, parts: [bool; LightPart::COUNT], suns: bool) {
         let Some(targets) = &mut self.targets else { return };
-        targets.set_parts(gpu, parts);
+        targets.set_parts(gpu, parts, suns);
         if let Some(history) = &mut self.history {
             history.prepare(gpu, targets.size);
         }

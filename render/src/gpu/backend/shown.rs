@@ -1,6 +1,6 @@
 //! What pictures show: a scene, and what lights it.
 
-use super::{bounce::GpuBounce, groups::Groups, mirrors::PictureRays, picture::Picture, pipelines::Pipelines};
+use super::{bounce::GpuBounce, groups::Groups, picture::Picture, pipelines::Pipelines};
 use crate::{
     appearance::Assigned,
     baked::Baked,
@@ -21,8 +21,10 @@ use crate::{
         light::{GpuLight, GpuMap, GpuTreeLight},
         materials::GpuMaterials,
         passes::{MergeVariant, PartPass},
+        picture_rays::PictureRays,
         scene::{GpuCuts, GpuScene},
         shadows::Plan,
+        targets::Targets,
     },
     light::local::LocalLighting,
     sampling::BrdfSampling,
@@ -61,7 +63,7 @@ pub struct Loaded {
     pub assigned: Assigned,
     /// Materials that mirror, see [`crate::shade::mirror::rays::marks`].
     pub mirrors: Marks,
-    /// What the rays of mirrors meet, since mirrors show it.
+    /// What rays of mirrors and to suns meet, since there are some.
     pub rays: Option<PictureRays>,
     /// Whether these were uploaded, or had no room.
     pub has_tried_rays: bool,
@@ -79,12 +81,12 @@ pub struct ShownEnvironment {
 }
 
 impl Loaded {
-    /// Uploads what the rays of mirrors meet, if there are mirrors and it was not tried yet.
+    /// Uploads what rays of mirrors and to suns meet, if there are mirrors or `suns` and it was not tried yet.
     ///
     /// # Errors
     /// A scene that the adapter has no room for.
-    pub fn upload_rays(&mut self, gpu: &GpuDevice) -> Result<(), BackendError> {
-        if !self.has_tried_rays && self.mirrors != Marks::default() {
+    pub fn upload_rays(&mut self, gpu: &GpuDevice, suns: bool) -> Result<(), BackendError> {
+        if !self.has_tried_rays && (suns || self.mirrors != Marks::default()) {
             self.has_tried_rays = true;
             self.rays = Some(PictureRays::new(gpu, &self.baked)?);
         }
@@ -177,8 +179,19 @@ impl Shown {
             return false;
         }
         // Edits tell why there is no room.
-        let _ = loaded.upload_rays(gpu);
+        let _ = loaded.upload_rays(gpu, false);
         loaded.rays.iter().for_each(|rays| rays.set_view(gpu, view));
+        loaded.rays.is_some()
+    }
+
+    /// Gets ready what rays to suns meet, if some shine in a view. Returns whether there are such rays: not if the adapter has no room.
+    pub fn prepare_suns(&mut self, gpu: &GpuDevice, view: &View) -> bool {
+        let Some(loaded) = &mut self.scene else { return false };
+        if view.mode != ViewMode::Shaded || !self.local_lights.have_suns() {
+            return false;
+        }
+        // Changes of the light tell why there is no room.
+        let _ = loaded.upload_rays(gpu, true);
         loaded.rays.is_some()
     }
 
@@ -204,21 +217,23 @@ impl Shown {
         &mut self,
         Pipelines { device, passes, .. }: &mut Pipelines,
         (view, sampling): (&View, BrdfSampling),
-        groups: &Groups,
+        (groups, targets): (&Groups, &Targets),
     ) -> Result<(Vec<PartPass>, [Vec<PartPass>; DEEPEST as usize]), BackendError> {
         let (gpu, shaded) = (&*device.gpu, view.mode == ViewMode::Shaded);
         let mut all = Vec::new();
-        if shaded && let Some(Loaded { scene, .. }) = &self.scene {
-            all = self.local_lights.prepare(gpu, passes, scene, [&groups.frame, &groups.scene]);
+        if shaded && let Some(Loaded { scene, rays, .. }) = &self.scene {
+            let rays = rays.as_ref().zip(targets.suns_seen.as_ref());
+            let nothing = &targets.nothing.work;
+            all = self.local_lights.prepare(gpu, passes, (scene, rays, nothing), [&groups.frame.group, &groups.scene]);
         }
         let bounced = self.bounce.evaluated(gpu, passes, view)?;
-        all.extend(bounced.map(|(pass, light)| PartPass { part: LightPart::Bounce, pass, light }));
+        all.extend(bounced.map(|(pass, light)| PartPass { part: LightPart::Bounce, pass, light, suns: None }));
         let (mut as_baked, has_mirrors) = (all.clone(), groups.mirrored.is_some());
         for (part, field, light) in self.merged(gpu) {
             let is_first = part == LightPart::Environment;
             let mut merge = |mirrors| {
                 let pass = passes.merge(self.merge_variant(field, is_first, sampling, mirrors));
-                PartPass { part, pass, light: light.clone() }
+                PartPass { part, pass, light: light.clone(), suns: None }
             };
             all.push(merge(has_mirrors));
             if has_mirrors {

@@ -10,6 +10,8 @@ use lapidary_core::lights::{Emission, Light};
 pub struct ShadowRoom {
     /// Layers in all; WebGPU's default limit is 256.
     pub layers: u32,
+    /// Suns that cast shadows, by rays.
+    pub suns: u32,
     /// Texels per side with few layers; halved down to [`SMALLEST`] with many layers.
     pub largest: u32,
 }
@@ -94,7 +96,7 @@ pub fn capacity(layers: u32, size: u32, room: ShadowRoom) -> u32 {
 }
 
 fn map_size(layers: u32, largest: u32) -> u32 {
-    let mut size = largest;
+    let mut size = if layers == 0 { SMALLEST } else { largest };
     while size > SMALLEST && u64::from(layers) * u64::from(size).pow(2) > MOST_TEXELS {
         size /= 2;
     }
@@ -112,7 +114,7 @@ mod tests {
     use glam::Vec3;
 
     const RADIUS: f32 = 1.0;
-    const ROOM: ShadowRoom = ShadowRoom { layers: 256, largest: 2048 };
+    const ROOM: ShadowRoom = ShadowRoom { layers: 256, suns: 8, largest: 2048 };
 
     fn light(emission: Emission) -> Light {
         Light { emission, position: Vec3::Y, ..Default::default() }
@@ -123,8 +125,10 @@ mod tests {
         let rectangle = light(Emission::Rectangle { width: 1.0, height: 1.0 });
         let spot = light(Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 });
         let point = light(Emission::Point);
-        let plan = Plan::new(&[point.clone(), spot.clone(), light(Emission::PARALLEL)], ROOM, RADIUS);
+        let plan = Plan::new(&[point.clone(), spot.clone(), spot.clone()], ROOM, RADIUS);
         assert_eq!((plan.first.as_slice(), plan.layers, plan.size), (&[0, 6, 7][..], 8, 2048));
+        let sun = Plan::new(&[light(Emission::PARALLEL)], ROOM, RADIUS);
+        assert_eq!((sun.layers, sun.size), (0, SMALLEST), "a sun has rays");
         let plan = Plan::new(&[rectangle.clone(), spot.clone()], ROOM, RADIUS);
         assert_eq!((plan.first.as_slice(), plan.size, plan.grid), (&[0, 45][..], 1024, 3));
         let plan = Plan::new(&vec![rectangle; 5], ROOM, RADIUS);
@@ -136,7 +140,7 @@ mod tests {
     #[test]
     fn lights_beyond_the_limit_go_without_and_a_remark_has_both_numbers() {
         let mut lights = vec![light(Emission::Point); 45];
-        lights.push(light(Emission::PARALLEL));
+        lights.push(light(Emission::Spot { cone_degrees: 30.0, penumbra_degrees: 5.0 }));
         let plan = Plan::new(&lights, ROOM, RADIUS);
         assert_eq!((plan.first[41], plan.first[42], plan.first[45], plan.layers), (246, NO_SHADOW, 252, 253));
         let remark = plan.remark(&lights, ROOM).unwrap();

@@ -1,14 +1,11 @@
 //! Views from lights, one per layer of the shadow maps. Twin of `shaders/shadow.wgsl`.
 //!
 //! A narrow spot has one view. A point has the six faces of a cube. A wide spot and each point of a rectangle have the
-//! five faces of a hemicube. Parallel light has one view of the whole scene.
+//! five faces of a hemicube. Directional lights have rays instead.
 
 use crate::device::layout::{ShadowView, constants::KERNEL_RADIUS};
 use glam::{Vec2, Vec3};
-use lapidary_core::{
-    bounds::Bounds,
-    lights::{Emission, Light, RectangleShape},
-};
+use lapidary_core::lights::{Emission, Light, RectangleShape};
 
 /// Margin of texels around the contents of a view, so that the filter stays on the map.
 pub const BORDER: u32 = KERNEL_RADIUS + 2;
@@ -19,8 +16,6 @@ const WIDEST_VIEW: f32 = 75.0;
 /// Inputs of views besides the light.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowViewSettings {
-    /// Bounds of everything that casts shadows.
-    pub bounds: Bounds,
     /// Distance from a light, in meters, within which nothing casts a shadow.
     pub near: f32,
     /// Texels of a side of a map.
@@ -34,8 +29,9 @@ pub fn views_per_point(light: &Light) -> u32 {
     match light.emission {
         Emission::Point => 6,
         Emission::Spot { cone_degrees, .. } if cone_degrees > WIDEST_VIEW => 5,
-        Emission::Spot { .. } | Emission::Directional { .. } => 1,
+        Emission::Spot { .. } => 1,
         Emission::Rectangle { .. } => 5,
+        Emission::Directional { .. } => 0,
     }
 }
 
@@ -57,7 +53,8 @@ pub fn views(light: &Light, settings: &ShadowViewSettings) -> Vec<ShadowView> {
             let tan = cone_degrees.to_radians().tan();
             vec![perspective(light.position, forward, forward.any_orthonormal_vector(), tan, settings)]
         }
-        Emission::Directional { .. } => vec![parallel(forward, settings)],
+        // Rays cast their shadows.
+        Emission::Directional { .. } => Vec::new(),
         Emission::Rectangle { .. } => {
             let points = RectangleShape::of(light).map_or_else(Vec::new, |shape| grid_points(&shape, settings.grid));
             points.into_iter().flat_map(|p| hemicube(p, forward, settings)).collect()
@@ -100,28 +97,7 @@ fn perspective(origin: Vec3, forward: Vec3, up: Vec3, tan: f32, settings: &Shado
         up: up.to_array(),
         half_height: half,
         forward: forward.to_array(),
-        is_parallel: 0,
-    }
-}
-
-fn parallel(forward: Vec3, settings: &ShadowViewSettings) -> ShadowView {
-    let up = forward.any_orthonormal_vector();
-    let right = forward.cross(up);
-    let Bounds { min, max } = settings.bounds;
-    let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
-    // Half the extent of a box along a direction; a margin where the scene is flat.
-    let least = (1e-3 * half.length()).max(settings.near);
-    let extent = |axis: Vec3| (axis.abs().dot(half) * with_border(settings.size)).max(least);
-    let depth = 1.01 * extent(forward);
-    ShadowView {
-        origin: (center - depth * forward).to_array(),
-        depth_scale: 0.5 / depth,
-        right: right.to_array(),
-        half_width: extent(right),
-        up: up.to_array(),
-        half_height: extent(up),
-        forward: forward.to_array(),
-        is_parallel: 1,
+        padding: 0,
     }
 }
 

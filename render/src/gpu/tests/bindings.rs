@@ -9,14 +9,17 @@ use crate::{
     gpu::entries,
 };
 use naga::{
-    AddressSpace, ImageClass, Module, ScalarKind, StorageAccess, TypeInner,
+    AddressSpace, ImageClass, Module, ScalarKind, StorageAccess, StorageFormat, TypeInner,
     valid::{Capabilities, ValidationFlags, Validator},
 };
 
 /// All programs with their groups 0, 1, ...
 fn declared() -> Vec<(Program, Vec<GroupLayout>)> {
     let sliced = kernels::SLICED.map(|kernel| (kernel.program, [&[Slice::LAYOUT], kernel.groups].concat()));
-    let drawing = entries::ALL.map(|entry| (entry.program, entry.groups.to_vec()));
+    let drawing = entries::ALL.map(|entry| {
+        let last = entry.groups.iter().skip(1).copied();
+        (entry.program, entry.program.output.or(entry.groups.first().copied()).into_iter().chain(last).collect())
+    });
     let rays = (RAYS, vec![Hierarchy::LAYOUT, RayWork::LAYOUT]);
     let fans = (FANS, vec![Hierarchy::LAYOUT, FanWork::LAYOUT]);
     sliced.into_iter().chain(drawing).chain([rays, fans]).collect()
@@ -27,6 +30,11 @@ fn kind(module: &Module, variable: &naga::GlobalVariable) -> Option<Binding> {
         (AddressSpace::Uniform, _) => Some(Binding::Uniform),
         (AddressSpace::Storage { access }, _) if access.contains(StorageAccess::STORE) => Some(Binding::Written),
         (AddressSpace::Storage { .. }, _) => Some(Binding::Storage),
+        (_, TypeInner::Image { class: ImageClass::Storage { format, .. }, .. }) => match format {
+            StorageFormat::Rgba32Float => Some(Binding::WrittenFloats),
+            StorageFormat::Rgba32Uint => Some(Binding::WrittenUints),
+            _ => None,
+        },
         (_, TypeInner::Image { class: ImageClass::Depth { .. }, arrayed: true, .. }) => Some(Binding::DepthLayers),
         (_, TypeInner::Image { class: ImageClass::Sampled { kind: ScalarKind::Uint, .. }, .. }) => Some(Binding::Uint),
         (_, TypeInner::Image { class: ImageClass::Sampled { kind: ScalarKind::Float, .. }, .. }) => {

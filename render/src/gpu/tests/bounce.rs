@@ -21,9 +21,9 @@ use std::sync::{Arc, MutexGuard};
 pub(super) const BOUNCE: Components = Components { indirect: true, ..Components::NONE };
 const ALL: Components = Components { direct: false, ..Components::ALL };
 
-struct Rig {
+pub(super) struct Rig {
     renderer: Renderer,
-    gpu: GpuBackend,
+    pub gpu: GpuBackend,
     sources: Edited<SourceRig>,
     environment: Arc<SceneLighting>,
     bounce: BounceLight,
@@ -40,7 +40,7 @@ fn view(mode: ViewMode) -> View {
 }
 
 impl Rig {
-    fn new(model: BrdfModel, roughness: f32) -> Option<Self> {
+    pub fn new(model: BrdfModel, roughness: f32) -> Option<Self> {
         let (one, mut gpu) = backend()?;
         let mut dataset = floor_and_wall(6);
         let parameters = GgxParameters { roughness, metalness: 0.3, ..Default::default() };

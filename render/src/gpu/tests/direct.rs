@@ -2,14 +2,18 @@
 //! what changes them. Shadows have tests of their own.
 
 mod shadows;
+mod suns;
 mod thousands;
 
 use super::twin::{agrees, appearance, backend, difference, in_bands, maps, parameters, scene, view};
 use crate::{
     Backend, BrdfSampling, Components, LocalLighting, Renderer, View, ViewMode,
     gpu::{GpuBackend, shadows::ShadowRoom},
-    shade::surface::Surfaces,
-    shade::{differentials::Differentials, surface::SurfacePoint},
+    shade::{
+        differentials::Differentials,
+        direct::{CELLS, DirectLights, cells, pixel_shift},
+        surface::{SurfacePoint, Surfaces},
+    },
     test_scenes::{dataset, mesh, white},
 };
 use glam::{Vec2, Vec3, Vec4};
@@ -25,12 +29,10 @@ use lapidary_core::{
 use std::sync::MutexGuard;
 use wide::f32x8;
 
-const ROOM: ShadowRoom = ShadowRoom { layers: 256, largest: 2048 };
-const NO_ROOM: ShadowRoom = ShadowRoom { layers: 0, largest: 512 };
+const ROOM: ShadowRoom = ShadowRoom { layers: 256, suns: 8, largest: 2048 };
+const NO_ROOM: ShadowRoom = ShadowRoom { layers: 0, suns: 0, largest: 512 };
 /// Points of a rectangle that the shader samples, along a side, if it has shadows from 3 x 3.
 const RECTANGLE_STEPS: u32 = 6;
-/// Samples of a disc along each side of the square that it is made of.
-const DISC_STEPS: u32 = 4;
 
 /// Local lights without a bounce.
 fn local(lights: &[Light]) -> LocalLighting {
@@ -91,6 +93,8 @@ struct Receiver {
     position: Vec3,
     face_normal: Vec3,
     point: SurfacePoint,
+    /// Of its rays to suns.
+    shift: Vec2,
 }
 
 /// What the deferred pass saw at each pixel.
@@ -114,6 +118,7 @@ fn receivers(gpu: &GpuBackend, renderer: &Renderer, view: &View) -> Vec<Option<R
             position: p * (1.0 - barycentric.element_sum()) + q * barycentric.x + r * barycentric.y,
             face_normal: mesh.area_vector(triangle).normalize() * side,
             point: surfaces.point(&hit, -view.camera.direction_through(pixel, view.size)),
+            shift: pixel_shift(i % view.size[0], i / view.size[0], 0),
         })
     };
     gpu.read_geometry().into_iter().enumerate().map(receiver).collect()
@@ -132,15 +137,17 @@ fn reflected(point: &SurfacePoint, sample: &LightSample, inv_kappa: f32) -> Vec3
 /// Light of all samples, without shadows: the loop of the shader over what `core` says of lights.
 fn unshadowed(receiver: &Receiver, lights: &[Light]) -> Vec3 {
     let of_light = |light: &Light| -> Vec3 {
-        let n = match light.emission {
-            _ if light.is_delta() => 1,
-            Emission::Directional { .. } => DISC_STEPS,
-            _ => RECTANGLE_STEPS,
+        let at = |n: u32, i: u32| (Vec2::new((i % n) as f32, (i / n) as f32) + 0.5) / n as f32;
+        let places: Vec<Vec2> = match light.emission {
+            _ if light.is_delta() => vec![Vec2::splat(0.5)],
+            Emission::Directional { .. } => {
+                cells(receiver.shift).map(|(corner, target)| (corner + target) / CELLS as f32).to_vec()
+            }
+            _ => (0..RECTANGLE_STEPS * RECTANGLE_STEPS).map(|i| at(RECTANGLE_STEPS, i)).collect(),
         };
-        let inv_kappa = Disc::of(light).map_or(0.0, |disc| 0.5 * disc.height / (n * n) as f32);
-        let at = |i: u32| (i as f32 + 0.5) / n as f32;
-        let samples = (0..n * n).filter_map(|i| light.sample(receiver.position, Vec2::new(at(i % n), at(i / n))));
-        samples.map(|s| reflected(&receiver.point, &s, inv_kappa)).sum::<Vec3>() / (n * n) as f32
+        let inv_kappa = Disc::of(light).map_or(0.0, |disc| 0.5 * disc.height / places.len() as f32);
+        let samples = places.iter().filter_map(|&place| light.sample(receiver.position, place));
+        samples.map(|s| reflected(&receiver.point, &s, inv_kappa)).sum::<Vec3>() / places.len() as f32
     };
     lights.iter().map(of_light).sum()
 }

@@ -31,9 +31,9 @@ use lapidary_core::{
 };
 use std::sync::{Arc, MutexGuard};
 
-struct Rig {
+pub(super) struct Rig {
     renderer: Renderer,
-    gpu: GpuBackend,
+    pub gpu: GpuBackend,
     environment: Arc<SceneLighting>,
     meshless: Arc<MeshlessLight>,
     _one: MutexGuard<'static, ()>,
@@ -85,7 +85,7 @@ fn picture_by(gpu: &mut dyn Backend, view: &View, sampling: BrdfSampling) -> Ima
 }
 
 impl Rig {
-    fn new() -> Option<Self> {
+    pub fn new() -> Option<Self> {
         let (one, mut gpu) = backend()?;
         let renderer = Renderer::new(scene_with_basis());
         let environment = Arc::new(renderer.lighting(&light(), 64));
@@ -321,7 +321,7 @@ fn lamp(x: f32) -> Arc<[Light]> {
     [point_light(Vec3::new(x, 1.2, 0.1), 3.0)].into()
 }
 
-fn wall_view() -> View {
+pub(super) fn wall_view() -> View {
     let camera = Camera::look_at(Vec3::new(1.8, 1.2, 0.6), Vec3::new(-1.0, 0.1, 0.0), 50.0);
     View { background: Background::Flat(Vec3::ZERO), mirrors: false, ..View::new(camera, [64, 48]) }
 }
@@ -386,17 +386,30 @@ fn further_bounces_on_the_sources_agree_and_are_told_from_one() {
     assert!(difference(&gpu, &one).0 > 0.01, "negative control: {:?}", difference(&gpu, &one));
 }
 
+/// Floor and wall with a material of metal, and a lamp.
+fn with_metal(material: usize, roughness: f32) -> (Renderer, Edited<LocalRig>) {
+    let mut dataset = linked_floor_and_wall();
+    let parameters = GgxParameters { base_color: Vec3::new(0.9, 0.6, 0.3), roughness, metalness: 1.0, ..white() };
+    let metal = &mut dataset.scene.materials[material];
+    (metal.model, metal.parameters) = (BrdfModel::Ggx, parameters.into());
+    let renderer = Renderer::new(dataset);
+    let baked = renderer.dataset().clone().into();
+    let mut rig = Edited::new(&baked, LocalRig::new(&baked));
+    rig.set_lights(&lamp(-1.0));
+    (renderer, rig)
+}
+
+/// Light of a metal wall's sources, which send by direction.
+pub(super) fn sent_by_metal() -> (Baked, LocalLighting) {
+    let (renderer, mut rig) = with_metal(1, 0.4);
+    (renderer.dataset().clone().into(), rig.lighting(BOUNCE, Solution::CutsGloss, 64))
+}
+
 #[test]
 fn sources_that_send_by_direction_agree_and_are_told_from_diffuse_ones() {
     let Some((_one, mut gpu)) = backend() else { return };
-    let mut dataset = linked_floor_and_wall();
-    let metal = GgxParameters { base_color: Vec3::new(0.9, 0.6, 0.3), roughness: 0.4, metalness: 1.0, ..white() };
-    (dataset.scene.materials[1].model, dataset.scene.materials[1].parameters) = (BrdfModel::Ggx, metal.into());
-    let renderer = Renderer::new(dataset);
-    let baked = renderer.dataset().clone().into();
-    gpu.set_scene(&baked).unwrap();
-    let mut rig = Edited::new(&baked, LocalRig::new(&baked));
-    rig.set_lights(&lamp(-1.0));
+    let (renderer, mut rig) = with_metal(1, 0.4);
+    gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
     let mut both = |solution, mode, sampling| {
         let view = View { mode, ..wall_view() };
         let local = rig.lighting(BOUNCE, solution, 64);
@@ -419,14 +432,8 @@ fn sources_that_send_by_direction_agree_and_are_told_from_diffuse_ones() {
 #[test]
 fn glossy_receivers_of_the_basis_agree_and_are_told_from_diffuse_ones() {
     let Some((_one, mut gpu)) = backend() else { return };
-    let mut dataset = linked_floor_and_wall();
-    let metal = GgxParameters { base_color: Vec3::new(0.9, 0.6, 0.3), roughness: 0.5, metalness: 1.0, ..white() };
-    (dataset.scene.materials[0].model, dataset.scene.materials[0].parameters) = (BrdfModel::Ggx, metal.into());
-    let renderer = Renderer::new(dataset);
-    let baked = renderer.dataset().clone().into();
-    gpu.set_scene(&baked).unwrap();
-    let mut rig = Edited::new(&baked, LocalRig::new(&baked));
-    rig.set_lights(&lamp(-1.0));
+    let (renderer, mut rig) = with_metal(0, 0.5);
+    gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
     let Some(BounceLight::Functions(glossy)) = rig.lighting(BOUNCE, Solution::Meshless, 64).bounce else { panic!() };
     let diffuse = MeshlessLight::new(renderer.dataset(), glossy.coefficients().to_vec()).unwrap();
     let both = |light: Arc<MeshlessLight>, gpu: &mut GpuBackend| {

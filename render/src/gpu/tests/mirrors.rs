@@ -3,7 +3,7 @@
 use super::twin::{another, backend};
 use crate::{
     Appearance, Backend, Background, Baked, Components, CpuBackend, LitScene, Look, Solution, View,
-    gpu::{GpuBackend, Room, ShaderSource},
+    gpu::{GpuBackend, GpuPath, Room, ShaderSource, SharedDevice},
     lit_scene::edits,
     test_looks::look,
     test_scenes::{
@@ -15,12 +15,12 @@ use glam::Vec3;
 use lapidary_core::{camera::Camera, image::Image};
 use std::{fs, path::Path};
 
-fn shown(backend: impl Backend + 'static, baked: &Baked, look: &Look) -> Image {
+pub(super) fn shown(backend: impl Backend + 'static, baked: &Baked, look: &Look) -> Image {
     LitScene::new(Box::new(backend), baked.clone()).unwrap().show_whole(look).unwrap().image
 }
 
 /// The mirror under its plate, in the sky's light and a lamp's.
-fn base(baked: &Baked) -> Look {
+pub(super) fn base(baked: &Baked) -> Look {
     let view = View { aa: 4, ..toward_mirror([48, 40]) };
     let components = Components { indirect: false, ..Components::ALL };
     // Its own image in the mirror is outside the picture.
@@ -66,7 +66,8 @@ fn changed(folder: &Path, file: &str, [from, to]: [&str; 2]) -> GpuBackend {
     let text = fs::read_to_string(folder.join(file)).unwrap();
     assert!(text.contains(from));
     fs::write(folder.join(file), text.replace(from, to)).unwrap();
-    GpuBackend::new(Room::Defaults, &ShaderSource::Folder(folder.into())).expect("there was one before")
+    let device = SharedDevice::new(Room::Defaults).expect("there was one before");
+    GpuBackend::new(device, &ShaderSource::Folder(folder.into()), GpuPath::Fragment).unwrap()
 }
 
 #[test]

@@ -44,8 +44,15 @@ fn every_program_is_valid_without_optional_features() {
         })
         .collect();
     assert!(failures.is_empty(), "{failures:#?}");
-    let is_kernel = |name: &str| kernels::programs().any(|kernel| kernel.name == name);
-    assert!(modules.iter().all(|(name, m)| m.entry_points.len() == if is_kernel(name) { 1 } else { 2 }));
+    for (program, (name, module)) in programs().zip(&modules) {
+        let is_kernel = kernels::programs().any(|kernel| kernel.name == *name);
+        let expected = match program.output {
+            Some(_) => 3,
+            None if is_kernel => 1,
+            None => 2,
+        };
+        assert_eq!(module.entry_points.len(), expected, "{name}");
+    }
 }
 
 #[test]
@@ -202,7 +209,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("Node", shape!(layout::Node, radiance, spread, place, radius)),
         (
             "ShadowView",
-            shape!(layout::ShadowView, origin, depth_scale, right, half_width, up, half_height, forward, is_parallel),
+            shape!(layout::ShadowView, origin, depth_scale, right, half_width, up, half_height, forward, padding),
         ),
         (
             "LocalLight",
@@ -246,6 +253,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             "Display",
             shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent, lets_light_through, samples),
         ),
+        ("Sun", shape!(layout::Sun, axis, height, right, sine, up, tangent)),
+        ("SunUniforms", shape!(layout::SunUniforms, suns, count, largest_offset, padding)),
         ("MirroredScene", shape!(layout::MirroredScene, ground, shows_ground, largest_offset, padding)),
     ]
 }
@@ -264,14 +273,15 @@ fn shared_structs_have_the_same_members_offsets_and_sizes() {
     assert!(shape_in(&modules, "FrameUniforms").iter().all(|shape| *shape != moved));
 }
 
-/// Types of buffers without a struct of their own: radii, patches, stops of a color scale, the table of sRGB.
-const PLAIN: [&str; 7] = [
+/// Types of buffers without a struct of their own: radii, patches, stops of a color scale, the table of sRGB, areas.
+const PLAIN: [&str; 8] = [
     "array<Float32>",
     "array<Uint32>",
     "array<vec2<Uint32>>",
     "array<vec4<Float32>>",
     "array<vec4<Float32>, 16>",
     "array<vec4<Float32>, 64>",
+    "array<vec4<Uint32>, 256>",
     "atomic<Uint32>",
 ];
 
@@ -388,6 +398,9 @@ fn shared_constants_have_the_same_values() {
         ("NOISE_CELLS", lapidary_core::texture::NOISE_CELLS),
         ("POOL_WIDTH_LOG2", constants::POOL_WIDTH_LOG2),
         ("MOST_PARAMETERS", constants::MOST_PARAMETERS as u32),
+        ("MOST_SUNS", constants::MOST_SUNS as u32),
+        ("MOST_AREAS", constants::MOST_AREAS as u32),
+        ("TILE_SIDE", constants::TILE_SIDE),
         ("MOST_BASIS_LEVELS", constants::MOST_BASIS_LEVELS as u32),
         ("CELL_SIDE", crate::light::bounce::meshless::gloss::CELLS.side as u32),
         ("SENT_SIDE", crate::light::sent::KNOTS.side as u32),

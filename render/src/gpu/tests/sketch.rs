@@ -17,7 +17,7 @@ fn light() -> Illumination {
     illumination([64, 32], |x, y| Vec3::splat(0.1 * x as f32 + 0.02 * y as f32))
 }
 
-fn prepare(backend: &mut dyn Backend) {
+pub(super) fn prepare(backend: &mut dyn Backend) {
     let dataset = scene();
     backend.set_scene(&dataset.clone().into()).unwrap();
     let lighting = Renderer::new(dataset.clone()).lighting(&light(), 64);
@@ -28,7 +28,7 @@ fn prepare(backend: &mut dyn Backend) {
     backend.set_appearance(&appearance(&dataset, BrdfModel::Ggx, parameters, MaterialMaps::default())).unwrap();
 }
 
-fn sketched(backend: &mut dyn Backend, view: &View, stride: u32) -> Image {
+pub(super) fn sketched(backend: &mut dyn Backend, view: &View, stride: u32) -> Image {
     backend.begin(view, BrdfSampling::Refine).unwrap();
     let tiles: Vec<u32> = (0..Tiles::of(view.size).count()).collect();
     let wanted = STRIDES.iter().filter(|&&s| s >= stride);
@@ -61,7 +61,7 @@ fn sketches_are_those_of_the_cpu() {
 }
 
 /// A coarse sketch after one of another view.
-fn sketched_after(backend: &mut dyn Backend, before: (&View, u32), view: &View, stale: &Stale) -> Image {
+pub(super) fn sketched_after(backend: &mut dyn Backend, before: (&View, u32), view: &View, stale: &Stale) -> Image {
     sketched(backend, before.0, before.1);
     backend.resume(view, BrdfSampling::Refine, stale).unwrap();
     let tiles: Vec<u32> = (0..Tiles::of(view.size).count()).collect();

@@ -3,10 +3,10 @@
 
 use super::inexact;
 use crate::{
-    Appearance, Backend, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer, SceneLighting, ToneMap,
-    View, ViewMode,
+    Appearance, Backend, BackendError, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer,
+    SceneLighting, ToneMap, View, ViewMode,
     device::{layout::Vertex, test_adapter::on_adapter},
-    gpu::{GpuBackend, Room, ShaderSource},
+    gpu::{GpuBackend, GpuPath, Room, ShaderSource, SharedDevice},
     shade::surface::Surfaces,
     shade::{
         differentials::Differentials,
@@ -35,12 +35,30 @@ pub(in crate::gpu) fn backend() -> Option<(MutexGuard<'static, ()>, GpuBackend)>
 
 /// Another backend, where one is held.
 pub(super) fn another() -> GpuBackend {
-    GpuBackend::new(Room::Defaults, &inexact::source()).expect("there was one before")
+    on_path(path())
+}
+
+/// Another one that runs its passes so.
+pub(super) fn on_path(path: GpuPath) -> GpuBackend {
+    on(&inexact::source(), path).expect("there was one before")
 }
 
 /// A backend with these shaders.
-fn backend_of(source: &ShaderSource) -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
-    on_adapter(|| GpuBackend::new(Room::Defaults, source))
+pub(super) fn backend_of(source: &ShaderSource) -> Option<(MutexGuard<'static, ()>, GpuBackend)> {
+    on_adapter(|| on(source, path()))
+}
+
+fn on(source: &ShaderSource, path: GpuPath) -> Result<GpuBackend, BackendError> {
+    GpuBackend::new(SharedDevice::new(Room::Defaults)?, source, path)
+}
+
+/// How the tests of the GPU run its passes: `LAPIDARY_GPU_PATH=compute` takes the kernels.
+fn path() -> GpuPath {
+    match std::env::var("LAPIDARY_GPU_PATH").as_deref() {
+        Ok("compute") => GpuPath::Compute,
+        Ok(other) => panic!("LAPIDARY_GPU_PATH is {other}; give compute"),
+        Err(_) => GpuPath::Fragment,
+    }
 }
 
 pub(super) fn noise(i: u32) -> u8 {

@@ -69,7 +69,11 @@ fn with_transport(mut dataset: Dataset) -> Dataset {
     dataset
 }
 
-fn lit(baked: &Baked, intensity: f32) -> BounceLight {
+pub(super) fn baked() -> Baked {
+    Baked::from(with_transport((*scene()).clone()))
+}
+
+pub(super) fn lit(baked: &Baked, intensity: f32) -> BounceLight {
     let mut rig = Edited::new(baked, LocalRig::new(baked));
     rig.set_lights(&Arc::from([point_light(Vec3::new(0.4, 3.0, 0.5), intensity)]));
     rig.lighting(Components::ALL, Solution::Wavelet, 64).bounce.expect("light of quads")
@@ -86,7 +90,7 @@ fn dark_view() -> View {
     View { background: Background::Flat(Vec3::ZERO), ..view(ViewMode::Shaded) }
 }
 
-fn picture(gpu: &mut GpuBackend, bounce: &BounceLight) -> Image {
+pub(super) fn picture(gpu: &mut GpuBackend, bounce: &BounceLight) -> Image {
     let components = Components { indirect: true, ..Components::NONE };
     let local = LocalLighting { bounce: Some(bounce.clone()), components, ..Default::default() };
     gpu.set_local_lighting(&local).unwrap();
@@ -98,8 +102,8 @@ fn picture(gpu: &mut GpuBackend, bounce: &BounceLight) -> Image {
 #[test]
 fn pixels_agree_for_every_brdf_with_maps_and_bumps() {
     let Some((_one, mut gpu)) = backend() else { return };
-    let mut renderer = Renderer::new(with_transport((*scene()).clone()));
-    let baked = Baked::from(renderer.dataset().clone());
+    let baked = baked();
+    let mut renderer = Renderer::new(baked.dataset.clone());
     gpu.set_scene(&baked).unwrap();
     let (light, brighter) = (lit(&baked, 8.0), lit(&baked, 9.0));
     for (model, maps) in [

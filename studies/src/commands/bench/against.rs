@@ -4,7 +4,7 @@
 mod first_picture;
 mod jobs;
 mod measure;
-mod program;
+pub(super) mod program;
 mod report;
 mod runs;
 mod xwd;
@@ -38,15 +38,12 @@ pub struct AgainstArgs {
     /// Exit with code 3 if this program takes more than this multiple of the other one's time in any row
     #[arg(long, value_name = "RATIO", requires = "against", conflicts_with = "file", value_parser = values::positive)]
     fail_above: Option<f32>,
-    /// Folder with the bundled scenes and environments, for --against [default: in the source tree]
-    #[arg(long, value_name = "DIR", env = "LAPIDARY_DATA", hide_env_values = true)]
-    data: Option<PathBuf>,
 }
 
 impl AgainstArgs {
     /// Files that it reads.
     pub fn files(&self) -> CommandFiles {
-        CommandFiles::default().reads(&self.against).reads(&self.data)
+        CommandFiles::default().reads(&self.against)
     }
 }
 
@@ -54,14 +51,13 @@ impl AgainstArgs {
 ///
 /// # Errors
 /// A file that is not this program, missing bundled data, an unwritable report, or Ctrl-C.
-pub fn run(args: &AgainstArgs, json: &JsonArgs, console: Console) -> Result<Outcome> {
+pub fn run(args: &AgainstArgs, data: &DataFolder, json: &JsonArgs, console: Console) -> Result<Outcome> {
     let against = args.against.as_deref().context("without a dataset, name a program with --against")?;
-    let data = DataFolder::find(args.data.as_deref())?;
     let this = Program::open(&std::env::current_exe().context("cannot find this program's own file")?)?;
     let other = Program::open(against)?;
     let steps = Steps::new(console);
     let start = Instant::now();
-    let rows = Contest::new([&this, &other], &data, Limits::USUAL, &steps)?.measure(jobs::JOBS)?;
+    let rows = Contest::new([&this, &other], data, Limits::USUAL, &steps)?.measure(jobs::JOBS)?;
     let report = Report::new([&this, &other], rows, start.elapsed(), args.fail_above);
     json.tell(&report, || report.table())?;
     Ok(report.outcome())

@@ -1,7 +1,7 @@
 //! `lapidary bench FILE.cuts --drag OBJECT`: picture times while an object is dragged.
 
 use super::{JsonArgs, median};
-use crate::args::{BackendOption, ViewedScene};
+use crate::args::{DeviceArgs, ViewedScene};
 use anyhow::{Result, anyhow};
 use glam::Vec3;
 use lapidary_core::scene::{
@@ -27,7 +27,7 @@ struct Drag {
 
 /// Figures of one detail.
 #[derive(Debug, Serialize)]
-struct Detailed {
+pub(super) struct Detailed {
     surfels: u32,
     /// Bins per surfel.
     bins: usize,
@@ -47,10 +47,10 @@ struct Detailed {
 ///
 /// # Errors
 /// A missing object, or no adapter if one is required.
-pub fn run(viewed: &ViewedScene, object: &str, steps: u32, backend: BackendOption, json: &JsonArgs) -> Result<()> {
+pub fn run(viewed: &ViewedScene, object: &str, steps: u32, device: DeviceArgs, json: &JsonArgs) -> Result<()> {
     let scene = &viewed.baked.dataset.scene;
     let index = object_named(scene, object)?;
-    let mut on = LitScene::new(backend.open()?, viewed.baked.clone())?;
+    let mut on = LitScene::new(device.open()?, viewed.baked.clone())?;
     let look = viewed.look()?;
     picture(&mut on, &look)?;
     let looks = dragged(scene, index, &look, steps);
@@ -94,7 +94,7 @@ pub(super) fn dragged(scene: &Scene, object: u32, look: &Look, steps: u32) -> Ve
 
 impl Detailed {
     /// Shows at least two looks in sequence.
-    fn measure(on: &mut LitScene, detail: ImplicitDetail, looks: &[Look]) -> Result<Self, BackendError> {
+    pub fn measure(on: &mut LitScene, detail: ImplicitDetail, looks: &[Look]) -> Result<Self, BackendError> {
         on.set_detail(detail);
         let mut times = looks.iter().map(|look| picture(on, look));
         let (pick_up, _) = times.next().expect("at least one step")?;
@@ -110,6 +110,16 @@ impl Detailed {
             sketch_milliseconds: sketch,
             pictures_per_second: 1e3 / (light + sketch),
         })
+    }
+
+    /// A line of a table.
+    pub fn line(&self) -> String {
+        let Self { surfels, bins, bounces, pick_up_milliseconds: first, light_milliseconds: light, .. } = self;
+        let Self { sketch_milliseconds: sketch, pictures_per_second: rate, .. } = self;
+        format!(
+            "{surfels:>6} surfels, {bins} bins, {bounces} bounces: first step {first:.0} ms, then light {light:.0} ms and \
+             coarse picture {sketch:.0} ms, {rate:.1} pictures a second\n"
+        )
     }
 }
 
@@ -130,14 +140,7 @@ fn text(drag: &Drag) -> String {
     let Drag { adapter, object, size: [width, height], vertices, steps, details } = drag;
     let mut text =
         format!("{adapter}: {width} x {height}, {vertices} vertices, \"{object}\" dragged in {steps} steps\n");
-    for detail in details {
-        let Detailed { surfels, bins, bounces, pick_up_milliseconds: first, light_milliseconds: light, .. } = detail;
-        let Detailed { sketch_milliseconds: sketch, pictures_per_second: rate, .. } = detail;
-        text += &format!(
-            "{surfels:>6} surfels, {bins} bins, {bounces} bounces: first step {first:.0} ms, then light {light:.0} ms and \
-             coarse picture {sketch:.0} ms, {rate:.1} pictures a second\n"
-        );
-    }
+    details.iter().for_each(|detail| text += &detail.line());
     text
 }
 

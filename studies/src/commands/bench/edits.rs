@@ -2,7 +2,7 @@
 //! the environment.
 
 use super::{JsonArgs, median};
-use crate::args::{BackendOption, ViewedScene};
+use crate::args::{DeviceArgs, ViewedScene};
 use anyhow::{Result, anyhow, ensure};
 use glam::Quat;
 use lapidary_core::{brdf::Value, scene::Scene};
@@ -58,10 +58,10 @@ struct Turned {
 ///
 /// # Errors
 /// A missing material, or no adapter if one is required.
-pub fn run(viewed: &ViewedScene, material: &str, frames: u32, backend: BackendOption, json: &JsonArgs) -> Result<()> {
+pub fn run(viewed: &ViewedScene, material: &str, frames: u32, device: DeviceArgs, json: &JsonArgs) -> Result<()> {
     let scene = &viewed.baked.dataset.scene;
     let edited = index_of(scene, material)?;
-    let on = LitScene::new(backend.open()?, viewed.baked.clone())?.keep_unseen_changes();
+    let on = LitScene::new(device.open()?, viewed.baked.clone())?.keep_unseen_changes();
     let mut subject = Subject { scene: on, look: viewed.look()?, edited, frames };
     subject.scene.show_whole(&subject.look)?;
     let edits = Edits {

@@ -47,7 +47,7 @@ struct Run {
 /// No adapter if one is required, or a failing one.
 pub fn run(surfels: &[u32], args: &PassesArgs, dataset: &Dataset, json: &JsonArgs) -> Result<()> {
     let on_adapter = |gpu: GpuBackend| Ok::<_, BackendError>((gpu.name(), GpuImplicit::on(gpu.device())?));
-    let gpu = args.backend.gpu()?.map(on_adapter).transpose()?;
+    let gpu = args.device.gpu()?.map(on_adapter).transpose()?;
     let mut runs = Vec::new();
     for &surfels in surfels {
         let posed = Posed::new(dataset, surfels);

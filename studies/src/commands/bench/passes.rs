@@ -2,7 +2,7 @@
 
 use super::{JsonArgs, drag, edits, median, resolve};
 use crate::{
-    args::{BackendOption, ViewedScene},
+    args::{DeviceArgs, ViewedScene},
     ladder::Cuts,
 };
 use anyhow::Result;
@@ -37,9 +37,8 @@ pub struct PassesArgs {
     /// with radiosity
     #[arg(long, value_name = "OBJECT", conflicts_with_all = ["illum_cuts", "drag", "edits", "backend"])]
     resolve: Option<String>,
-    /// Rendering device
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) backend: BackendOption,
+    #[command(flatten)]
+    pub(super) device: DeviceArgs,
 }
 
 /// All figures.
@@ -81,16 +80,16 @@ struct Run {
 /// Bounced light that the dataset lacks, or no adapter if one is required.
 pub fn run(args: &PassesArgs, viewed: &ViewedScene, json: &JsonArgs) -> Result<()> {
     if let Some(object) = &args.drag {
-        return drag::run(viewed, object, args.frames, args.backend, json);
+        return drag::run(viewed, object, args.frames, args.device, json);
     }
     if let Some(material) = &args.edits {
-        return edits::run(viewed, material, args.frames, args.backend, json);
+        return edits::run(viewed, material, args.frames, args.device, json);
     }
     if let Some(object) = &args.resolve {
         return resolve::run(viewed, object, args.frames, json);
     }
     let measurement = Measurement::new(args, viewed)?;
-    let gpu = args.backend.gpu()?;
+    let gpu = args.device.gpu()?;
     let adapter = gpu.as_ref().map_or("cpu".to_owned(), Backend::name);
     let runs = match gpu {
         Some(gpu) => measurement.gpu_runs(gpu)?,
@@ -149,13 +148,7 @@ impl<'a> Measurement<'a> {
         let mut scene = LitScene::new(Box::new(backend), self.viewed.baked.clone())?;
         let run = |cuts: Cuts| {
             let look = cuts.shown(&self.look);
-            scene.light(&look)?;
-            let mut anew = || {
-                scene.begin(&look.view, look.sampling)?;
-                frame(&mut scene)
-            };
-            anew()?;
-            let times = (0..self.args.frames).map(|_| anew()).collect::<Result<Vec<_>, _>>()?;
+            let times = frames_of(&mut scene, &look, self.args.frames, &frame)?;
             scene.begin(&look.view, look.sampling)?;
             scene.render_rows(0, 0..look.view.size[1])?;
             let stats = scene.backend().stats()?;
@@ -198,10 +191,26 @@ impl<'a> Measurement<'a> {
     }
 }
 
+/// Times of frames of a look, after one to warm up.
+pub(super) fn frames_of<B: Backend>(
+    scene: &mut LitScene<B>,
+    look: &Look,
+    frames: u32,
+    frame: impl Fn(&mut LitScene<B>) -> Result<Times, BackendError>,
+) -> Result<Vec<Times>, BackendError> {
+    scene.light(look)?;
+    let mut anew = || {
+        scene.begin(&look.view, look.sampling)?;
+        frame(scene)
+    };
+    anew()?;
+    (0..frames).map(|_| anew()).collect()
+}
+
 /// Time of each pass of a frame.
 pub(super) type Times = BTreeMap<&'static str, Duration>;
 
-fn passes(t: PassTimes) -> Times {
+pub(super) fn passes(t: PassTimes) -> Times {
     BTreeMap::from([
         ("visibility", t.visibility),
         ("deferred", t.deferred),

@@ -113,12 +113,12 @@ fn edges_are_filtered_and_no_wider_than_the_kernel() {
     let Some(mut rig) = shadow_rig() else { return };
     let camera = Camera::look_at(Vec3::new(-1.0, 3.0, -0.1), Vec3::new(-1.0, 0.0, -0.11), 6.0);
     let view = dark_view(camera, [160, 120]);
-    let sun = light(Emission::PARALLEL, [1.0, 2.0, 0.0], [0.0; 3]);
+    let lamp = light(spot(40.0, 0.0), [1.0, 4.0, -0.1], [-1.0, 0.0, -0.1]);
     let share_between = |rig: &mut Rig, size| {
-        let gpu = rig.lit_by(&view, std::slice::from_ref(&sun), ShadowRoom { largest: size, ..ROOM });
-        let full = gpu.pixels.iter().map(|p| p.x).fold(0.0, f32::max);
-        let between = |p: &&Vec3| p.x > 0.02 * full && p.x < 0.98 * full;
-        gpu.pixels.iter().filter(between).count() as f32 / gpu.pixels.len() as f32
+        let gpu = rig.lit_by(&view, std::slice::from_ref(&lamp), ShadowRoom { largest: size, ..ROOM });
+        let open = rig.lit_by(&view, std::slice::from_ref(&lamp), NO_ROOM);
+        let between = |(p, open): &(&Vec3, &Vec3)| p.x > 0.02 * open.x && p.x < 0.98 * open.x;
+        gpu.pixels.iter().zip(&open.pixels).filter(between).count() as f32 / gpu.pixels.len() as f32
     };
     let (coarse, fine) = (share_between(&mut rig, 512), share_between(&mut rig, 2048));
     assert!(coarse > 0.01 && fine < 0.4 * coarse, "{coarse} and {fine}");

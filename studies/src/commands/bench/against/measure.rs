@@ -7,7 +7,7 @@ use super::{
     report::Row,
     runs::{Figures, Runs, Side, rows},
 };
-use crate::{args::BackendOption, bundled::DataFolder, terminal::Steps};
+use crate::{args::DeviceArgs, bundled::DataFolder, terminal::Steps};
 use anyhow::{Context, Result};
 use lapidary_precompute::Observer;
 use lapidary_render::BackendError;
@@ -231,7 +231,7 @@ impl<'a> Contest<'a> {
 /// A requirement of the job that this machine lacks; neither program is at fault.
 fn missing_here(work: &Work) -> Option<String> {
     match work {
-        Work::Adapter(_) => match BackendOption::Gpu.gpu() {
+        Work::Adapter(_) => match DeviceArgs::GPU.gpu() {
             Err(BackendError::NoAdapter { .. }) => Some("there is no graphics adapter".into()),
             _ => None,
         },
