@@ -12,6 +12,12 @@ const FLAG_CATCHER: u32 = 0x800u;
 // The upper half of a number in single precision, which is precise enough.
 const WIDTH_BITS: u32 = 0xffff0000u;
 
+// Where a ray hit the triangle of a texel of the geometry.
+fn hit_of(g: vec4<u32>) -> Hit {
+    let bc = bitcast<vec2<f32>>(g.yz);
+    return Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
+}
+
 // Rotation matrix to quaternion, by the largest of its components (Shepperd 1978).
 fn quaternion_from_rotation(m: mat3x3<f32>) -> vec4<f32> {
     let t = vec4(m[0].x, m[1].y, m[2].z, m[0].x + m[1].y + m[2].z);

@@ -16,8 +16,7 @@ fn written_at(pixel: vec2<u32>) -> vec4<f32> {
     }
     let triangle = triangles[g.x - 1u];
     let material = triangle.material & ~TWO_SIDED;
-    let bc = bitcast<vec2<f32>>(g.yz);
-    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
+    let hit = hit_of(g);
     if shows_color() {
         let reads = materials[material].reads;
         return color_and_roughness(material, attributes_at(triangle.vertices, hit.barycentric, reads));

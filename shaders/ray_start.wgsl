@@ -11,15 +11,14 @@ const OF_EDGE: f32 = 0.02;
 // `otherwise` is the normal of a face without one.
 fn ray_start(g: vec4<u32>, otherwise: vec3<f32>, largest: f32) -> RayStart {
     let corners_of = triangles[g.x - 1u].vertices;
-    let bc = bitcast<vec2<f32>>(g.yz);
-    let side = select(1.0, -1.0, (g.w & FLAG_BACK) != 0u);
+    let hit = hit_of(g);
     let a = vertices[corners_of.x].position;
     let b = vertices[corners_of.y].position;
     let c = vertices[corners_of.z].position;
-    let normal = normalize_or(cross(b - a, c - a) * side, otherwise);
+    let normal = normalize_or(cross(b - a, c - a) * hit.side, otherwise);
     let edge = (distance(a, b) + distance(b, c) + distance(c, a)) / 3.0;
     let offset = clamp(OF_EDGE * edge, OF_EDGE * largest, largest);
-    return RayStart(interpolated_position(corners_of, vec3(1.0 - bc.x - bc.y, bc)) + normal * offset, normal);
+    return RayStart(interpolated_position(corners_of, hit.barycentric) + normal * offset, normal);
 }
 
 // Both sets of texture coordinates on a triangle.

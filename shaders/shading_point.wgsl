@@ -97,8 +97,7 @@ struct SurfacePoint {
 fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> SurfacePoint {
     let triangle = triangles[g.x - 1u];
     let corners = triangle.vertices;
-    let bc = bitcast<vec2<f32>>(g.yz);
-    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
+    let hit = hit_of(g);
     let a = vertices[corners.x].position;
     let across = cross(vertices[corners.y].position - a, vertices[corners.z].position - a);
     let local = world_from_local(textureLoad(rotation, pixel, 0), g.w);

@@ -63,33 +63,18 @@ fn shadow_visibility(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 
     return shadow_filtered(index, shadow_receiver(view, face.local, face.normal, face.facing, size.x), size);
 }
 
-// Blocker and receiver of a view at a face.
-struct Overhang {
-    // Depth of the first blocker, 0 without one.
-    blocker: f32,
-    // Depth of the receiver, and of its plane at the blocker's texel.
-    receiver: f32,
-    plane: f32,
-}
-
-fn shadow_overhang(index: u32, position: vec3<f32>, normal: vec3<f32>) -> Overhang {
+// Distance from a blocker to the receiver over the distance from the light to the blocker, 0 without one.
+fn shadow_blocker(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
     let view = shadow_views[index];
     let face = shadow_faced(view, position, normal);
     if !(face.facing > 0.0) {
-        return Overhang(0.0, 1.0, 0.0);
+        return 0.0;
     }
     let size = vec2<f32>(textureDimensions(shadow_maps));
     let receiver = shadow_receiver(view, face.local, face.normal, face.facing, size.x);
     let texel = round(map_position(receiver, size));
-    let plane = nearest_depth(receiver, texel, size);
     let stored = shadow_texel(texel, index, size);
-    return Overhang(select(0.0, stored, is_nearer(stored, plane)), receiver.depth, plane);
-}
-
-// Distance from a blocker to the receiver over the distance from the light to the blocker, 0 without one. In perspective.
-fn shadow_blocker(index: u32, position: vec3<f32>, normal: vec3<f32>) -> f32 {
-    let seen = shadow_overhang(index, position, normal);
-    return select(0.0, seen.blocker / seen.receiver - 1.0, seen.blocker > 0.0);
+    return select(0.0, stored / receiver.depth - 1.0, is_nearer(stored, nearest_depth(receiver, texel, size)));
 }
 
 // Position in texels; integers are texel centers.

@@ -1,5 +1,5 @@
-// Sixteen rays from a point to a sun: where the cone around them is empty, or a triangle fills it, none is traced. Twin of
-// core/src/ray/cones.rs.
+// Sixteen rays from a point to a sun. A cone around them comes first: where it is empty, or the first triangle that it meets is opaque and
+// fills it, no ray is traced. Twin of core/src/ray/cones.rs.
 
 struct Sun {
     // Unit direction to its center.
@@ -127,21 +127,9 @@ fn seen_through(cone: SunCone) -> i32 {
     return 1;
 }
 
-// Whether a triangle of a leaf fills the cone.
-fn leaf_fills(cone: SunCone, leaf: u32) -> bool {
-    let first = nodes[leaf].first;
-    for (var i = 0u; i < nodes[leaf].triangles; i++) {
-        if cone_meets(cone, first + i) > 0 {
-            return true;
-        }
-    }
-    return false;
-}
-
 // Which rays to a sun meet nothing, a bit each. Those that come from below a surface with this normal do not count.
 fn open_rays(sun: Sun, origin: vec3<f32>, normal: vec3<f32>, shift: vec2<f32>, pixel: vec2<u32>) -> u32 {
-    let cone = sun_cone(sun, origin);
-    let seen = seen_through(cone);
+    let seen = seen_through(sun_cone(sun, origin));
     if seen > 0 {
         return ALL_RAYS;
     }
@@ -158,11 +146,7 @@ fn open_rays(sun: Sun, origin: vec3<f32>, normal: vec3<f32>, shift: vec2<f32>, p
                 open |= select(1u << i, 0u, is_stopped(origin, direction, i, pixel));
             } else if blocker == NO_NODE || !hits_leaf(blocker, origin, direction) {
                 blocker = occluder(origin, direction);
-                if blocker == NO_NODE {
-                    open |= 1u << i;
-                } else if leaf_fills(cone, blocker) {
-                    return 0u;
-                }
+                open |= select(0u, 1u << i, blocker == NO_NODE);
             }
         }
         // Parallel light has but one ray.

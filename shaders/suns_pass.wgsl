@@ -8,7 +8,7 @@ fn written_at(texel: vec2<u32>) -> vec4<u32> {
     }
     let direction = seen_along(begun.pixel);
     let start = ray_start(begun.g, -direction, suns.largest_offset);
-    let normal = smooth_normal_at(begun.g, direction);
+    let normal = smooth_normal(triangles[begun.g.x - 1u].vertices, hit_of(begun.g), -direction);
     let pixel = picture_pixel(begun.pixel);
     let shift = shift_of_rays(pixel);
     var open = vec4(0u);
@@ -19,10 +19,4 @@ fn written_at(texel: vec2<u32>) -> vec4<u32> {
         }
     }
     return open;
-}
-
-fn smooth_normal_at(g: vec4<u32>, direction: vec3<f32>) -> vec3<f32> {
-    let bc = bitcast<vec2<f32>>(g.yz);
-    let hit = Hit(vec3(1.0 - bc.x - bc.y, bc), select(1.0, -1.0, (g.w & FLAG_BACK) != 0u));
-    return smooth_normal(triangles[g.x - 1u].vertices, hit, -direction);
 }

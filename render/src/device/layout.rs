@@ -347,10 +347,10 @@ pub struct StaleMarks {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShadowView {
     pub origin: [f32; 3],
-    /// Perspective: the distance of depth 1 in meters; parallel: the decrease of depth per meter.
+    /// The distance of depth 1 in meters.
     pub depth_scale: f32,
     pub right: [f32; 3],
-    /// Perspective: tangent of half the angle of view; parallel: half the width in meters.
+    /// Tangent of half the angle of view.
     pub half_width: f32,
     pub up: [f32; 3],
     pub half_height: f32,

@@ -21,7 +21,7 @@ impl Output {
     pub fn entries(&self, template: &str) -> String {
         let (mut fragment, mut textures, mut stores) = (String::new(), String::new(), String::new());
         let location = if self.formats().count() == 1 { "@location(0) " } else { "" };
-        write!(fragment, "fn fragment(@builtin(position) position: vec4<f32>) -> {location}{} {{", self.name)
+        writeln!(fragment, "fn fragment(@builtin(position) position: vec4<f32>) -> {location}{} {{", self.name)
             .expect("a string takes all");
         for (binding, (name, kind)) in self.bindings.iter().enumerate() {
             let Some(format) = kind.format() else { continue };
@@ -31,7 +31,30 @@ impl Output {
                 .and_then(|()| writeln!(stores, "    textureStore({name}, texel, {member});"))
                 .expect("a string takes all");
         }
-        let filled = [("//= fragment", fragment), ("//= textures\n", textures), ("//= stores\n", stores)];
-        filled.into_iter().fold(template.to_owned(), |text, (place, lines)| text.replacen(place, &lines, 1))
+        let line = |line: &str| match line {
+            "//= fragment" => fragment.clone(),
+            "//= textures" => textures.clone(),
+            "//= stores" => stores.clone(),
+            other => format!("{other}\n"),
+        };
+        template.lines().map(line).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_write_each_texture_and_lines_end_as_they_like() {
+        let numbers = Output { name: "vec4<f32>", bindings: &[FRAME, AREAS, ("written", Binding::WrittenFloats)] };
+        let template = "//= fragment\r\n}\r\n//= textures\r\n//= stores\r\n";
+        let expected = "fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {\n}\n\
+                        @group(0) @binding(2) var written: texture_storage_2d<rgba32float, write>;\n    \
+                        textureStore(written, texel, value);\n";
+        assert_eq!(numbers.entries(template), expected);
+        let bindings = &[FRAME, AREAS, ("written_a", Binding::WrittenFloats), ("written_b", Binding::WrittenUints)];
+        let two = Output { name: "Two", bindings }.entries("//= stores\n");
+        assert_eq!(two, "    textureStore(written_a, texel, value.a);\n    textureStore(written_b, texel, value.b);\n");
     }
 }

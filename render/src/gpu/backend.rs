@@ -18,7 +18,6 @@ pub use timing::PassTimes;
 use super::{pipeline::GpuPath, targets::Target};
 use crate::{
     appearance::Appearance,
-    backend::Backend,
     device::{GpuDevice, ModelSet, ShaderSource, Shaders, SharedDevice, readback},
     error::BackendError,
     sampling::BrdfSampling,
@@ -56,8 +55,10 @@ impl GpuBackend {
     /// # Errors
     /// A shader that cannot be read, or does not compile.
     pub fn set_path(&mut self, path: GpuPath) -> Result<(), BackendError> {
-        self.pipelines.path = path;
-        self.reload()
+        self.pipelines.compile(self.pipelines.shaders.clone(), path)?;
+        self.shown.local_lights.forget_shadows();
+        self.progress.forget();
+        Ok(())
     }
 
     /// Its device, for other work.
@@ -79,7 +80,7 @@ impl GpuBackend {
         let models = if is_new_scene { models } else { models.joined(compiled) };
         let fits = compiled.covers(&models) && models.covers(compiled);
         if !fits || has_veils != *had_veils {
-            pipelines.compile(Shaders { models, has_veils, source: source.clone() })?;
+            pipelines.compile(Shaders { models, has_veils, source: source.clone() }, pipelines.path)?;
             shown.local_lights.forget_shadows();
         }
         if lets_through_otherwise {

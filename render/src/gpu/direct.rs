@@ -82,7 +82,7 @@ impl DirectLights {
         let (suns, most) = (self.lights.iter().filter(|light| is_sun(light)).count(), self.room.suns as usize);
         let of_suns = (suns > most).then(|| {
             let without = suns - most;
-            format!("{without} of {suns} directional lights shine without shadows: only {most} may cast some; switch some off")
+            format!("{without} of {suns} directional lights shine without shadows: the strongest {most} cast some; switch some off")
         });
         let all: Vec<String> = self.plan.remark(&self.lights, self.room).into_iter().chain(of_suns).collect();
         (!all.is_empty()).then(|| all.join("; "))
@@ -93,9 +93,14 @@ impl DirectLights {
         self.room.suns > 0 && self.lights.iter().any(is_sun)
     }
 
-    /// The suns that cast shadows, in the order of the lights.
-    fn suns(&self) -> impl Iterator<Item = &Light> {
-        self.lights.iter().filter(|light| is_sun(light)).take(self.room.suns as usize)
+    /// Which lights of a part are the suns that cast shadows: the strongest.
+    fn casting_suns(&self, part: &[LocalLight]) -> Vec<usize> {
+        let strength = |i: usize| Vec3::from(part[i].intensity).max_element();
+        let is_sun = |i: &usize| part[*i].emission == constants::EMISSION_DIRECTIONAL && strength(*i) > 0.0;
+        let mut suns: Vec<usize> = (0..part.len()).filter(is_sun).collect();
+        suns.sort_by(|&a, &b| strength(b).total_cmp(&strength(a)));
+        suns.truncate(self.room.suns as usize);
+        suns
     }
 
     /// Puts the lights in the order of the parts that sum them. Returns whether those of the first part have the same
@@ -147,9 +152,7 @@ impl DirectLights {
         // Bindings of no size are not allowed.
         let bound = if views.is_empty() { &[Zeroable::zeroed()][..] } else { &views[..] };
         let shadow_views = &storage(gpu, "shadow views", bytemuck::cast_slice(bound));
-        let packed = self.packed(scene, rays.is_some());
-        let suns = rays.map(|(rays, _)| (passes.suns.clone(), self.sun_rays(gpu, rays)));
-        let suns_seen = &rays.map_or(nothing, |(_, seen)| seen).view;
+        let mut packed = self.packed(scene);
         self.make_room(gpu);
         let Some(maps) = self.maps.as_mut() else { return Vec::new() };
         let group = ShadowViews { shadow_views }.bind(gpu);
@@ -160,16 +163,23 @@ impl DirectLights {
             maps.encode(&mut encoder, &passes.shadow, groups, 3 * scene.triangle_count, view);
         }
         gpu.queue.submit([encoder.finish()]);
-        let (direct, added) = packed.split_at(self.first);
-        let parts = [(LightPart::Direct, direct), (LightPart::Added, added)]
-            .into_iter()
-            .filter(|(_, lights)| !lights.is_empty());
-        let pass = |(part, lights): (LightPart, &[LocalLight])| {
+        let Some(maps) = &self.maps else { return Vec::new() };
+        let suns_seen = &rays.map_or(nothing, |(_, seen)| seen).view;
+        let (direct, added) = packed.split_at_mut(self.first);
+        let parts = [(LightPart::Direct, direct, 0), (LightPart::Added, added, self.first)];
+        let pass = |(part, lights, first): (LightPart, &mut [LocalLight], usize)| {
+            let casting = rays.map_or(Vec::new(), |_| self.casting_suns(lights));
+            for (number, &sun) in (0..).zip(&casting) {
+                lights[sun].first_view = number;
+            }
+            let suns = casting.iter().map(|&sun| &self.lights[first + sun]);
+            let suns = rays.filter(|_| !casting.is_empty()).map(|(rays, _)| sun_rays(gpu, suns, rays));
+            let suns = suns.map(|rays| (passes.suns.clone(), rays));
             let local_lights = &storage(gpu, "local lights", bytemuck::cast_slice(lights));
             let light = LocalLights { shadow_views, local_lights, shadow_maps: &maps.array, suns_seen }.bind(gpu);
-            PartPass { part, pass: passes.direct.clone(), light, suns: suns.clone() }
+            PartPass { part, pass: passes.direct.clone(), light, suns }
         };
-        parts.map(pass).collect()
+        parts.into_iter().filter(|(_, lights, _)| !lights.is_empty()).map(pass).collect()
     }
 
     /// Whether there are textures of lights.
@@ -185,25 +195,13 @@ impl DirectLights {
         casting.flat_map(|(light, _)| shadows::views(light, &settings)).collect()
     }
 
-    /// The suns that cast shadows, bound with what their rays meet.
-    fn sun_rays(&self, gpu: &GpuDevice, rays: &PictureRays) -> wgpu::BindGroup {
-        let mut suns = SunUniforms { largest_offset: rays.largest_offset, ..Zeroable::zeroed() };
-        for (to, sun) in suns.suns.iter_mut().zip(self.suns()) {
-            *to = packed_sun(sun);
-            suns.count += 1;
-        }
-        let suns = &uniform(gpu, "suns", bytemuck::bytes_of(&suns));
-        let PictureRays { nodes, corners, leaf_triangles, .. } = rays;
-        SunRays { suns, nodes, corners, leaf_triangles }.bind(gpu)
-    }
-
-    fn packed(&self, scene: &GpuScene, suns_have_rays: bool) -> Vec<LocalLight> {
+    /// Lights as the shader reads them, suns as yet without shadows.
+    fn packed(&self, scene: &GpuScene) -> Vec<LocalLight> {
         // It lies under the ground.
         let is_below = |light: &Light| scene.ground.is_some() && light.comes_from_below();
         let shining = |light: &Light| if is_below(light) { Vec3::ZERO } else { light.intensity };
-        let mut suns = 0..if suns_have_rays { self.room.suns } else { 0 };
         let packed = |(light, &first): (&Light, &u32)| {
-            let first = if is_sun(light) { suns.next().unwrap_or(constants::NO_SHADOW) } else { first };
+            let first = if is_sun(light) { constants::NO_SHADOW } else { first };
             LocalLight { intensity: shining(light).to_array(), ..packed(light, first, self.plan.grid) }
         };
         self.lights.iter().zip(&self.plan.first).map(packed).collect()
@@ -217,6 +215,18 @@ impl DirectLights {
             self.maps = Some(ShadowMaps::new(gpu, size, shadows::capacity(layers, size, self.room)));
         }
     }
+}
+
+/// Suns that cast shadows, bound with what their rays meet.
+fn sun_rays<'l>(gpu: &GpuDevice, casting: impl Iterator<Item = &'l Light>, rays: &PictureRays) -> wgpu::BindGroup {
+    let mut suns = SunUniforms { largest_offset: rays.largest_offset, ..Zeroable::zeroed() };
+    for (to, sun) in suns.suns.iter_mut().zip(casting) {
+        *to = packed_sun(sun);
+        suns.count += 1;
+    }
+    let suns = &uniform(gpu, "suns", bytemuck::bytes_of(&suns));
+    let PictureRays { nodes, corners, leaf_triangles, .. } = rays;
+    SunRays { suns, nodes, corners, leaf_triangles }.bind(gpu)
 }
 
 /// Whether a light has rays in place of shadow maps.

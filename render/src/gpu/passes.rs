@@ -13,12 +13,7 @@ use crate::{
     error::BackendError,
     stale::LightPart,
 };
-use std::{
-    cell::RefCell,
-    collections::HashMap,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{cell::RefCell, collections::HashMap, sync::Arc, time::Duration};
 
 /// Specialization of the merge pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -120,22 +115,20 @@ impl Passes {
     /// A shader that does not compile, with the compiler's message.
     pub fn compile(&mut self, gpu: &GpuDevice, variants: &[MergeVariant]) -> Result<(), BackendError> {
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        self.compile_each(variants);
+        let merges: Vec<Pass> = variants.iter().map(|&variant| self.merge(variant)).collect();
+        for pass in self.all.iter().chain(&merges) {
+            pass.pipeline();
+        }
         match pollster::block_on(scope.pop()) {
             None => Ok(()),
             Some(error) => Err(BackendError::Driver(error.to_string())),
         }
     }
 
-    /// Compiles all of them now, and the merge in `variants`. Returns how long each took.
-    pub fn compile_each(&mut self, variants: &[MergeVariant]) -> Vec<(&'static str, Duration)> {
-        let merges: Vec<Pass> = variants.iter().map(|&variant| self.merge(variant)).collect();
-        let compile = |pass: &Pass| {
-            let start = Instant::now();
-            pass.pipeline();
-            (pass.label, start.elapsed())
-        };
-        self.all.iter().chain(&merges).map(compile).collect()
+    /// What those that are compiled took for it, by their labels.
+    pub fn compile_times(&self) -> Vec<(&'static str, Duration)> {
+        let passes = self.all.iter().chain(self.merges.values());
+        passes.filter_map(|pass| Some((pass.label, pass.compile_time()?))).collect()
     }
 
     /// The variants of the merge that are in use.

@@ -6,7 +6,10 @@ use crate::{
     error::BackendError,
 };
 use serde::{Deserialize, Serialize};
-use std::sync::{Arc, OnceLock};
+use std::{
+    sync::{Arc, OnceLock},
+    time::{Duration, Instant},
+};
 
 /// How passes run that have two entry points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,7 +42,8 @@ struct Variant {
     text: Arc<Text>,
     /// Of the constants of its entry.
     values: Vec<f64>,
-    pipeline: OnceLock<Pipeline>,
+    /// With the time that it took to compile.
+    pipeline: OnceLock<(Pipeline, Duration)>,
 }
 
 /// How a pass runs.
@@ -80,7 +84,16 @@ impl Text {
 impl Pass {
     /// Its pipeline; the device tells of a shader that does not compile.
     pub fn pipeline(&self) -> &Pipeline {
-        self.variant.pipeline.get_or_init(|| self.variant.build())
+        let (pipeline, _) = self.variant.pipeline.get_or_init(|| {
+            let start = Instant::now();
+            (self.variant.build(), start.elapsed())
+        });
+        pipeline
+    }
+
+    /// What it took to compile, if it is.
+    pub fn compile_time(&self) -> Option<Duration> {
+        self.variant.pipeline.get().map(|(_, time)| *time)
     }
 
     /// The device that it is compiled on.

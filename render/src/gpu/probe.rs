@@ -19,6 +19,8 @@ const SIDES: [u32; 3] = [128, 512, 2048];
 /// Times below are those of submitting work.
 const ENOUGH: Duration = Duration::from_millis(2);
 const RUNS: usize = 3;
+/// Kernels are taken if fragments take this many times as long: less is noise.
+const CLEARLY: f64 = 1.1;
 
 /// The faster path on a device.
 ///
@@ -34,7 +36,7 @@ pub fn faster_path(device: &SharedDevice) -> Result<GpuPath, BackendError> {
         let to = target(gpu, "probe", format::FLOATS, [side, side]);
         let [fragment, compute] = passes.each_ref().map(|pass| time(gpu, pass, &frame, &to));
         let (fragment, compute) = (fragment?, compute?);
-        faster = if compute < fragment { GpuPath::Compute } else { GpuPath::Fragment };
+        faster = if compute.mul_f64(CLEARLY) < fragment { GpuPath::Compute } else { GpuPath::Fragment };
         if fragment.max(compute) > ENOUGH {
             break;
         }

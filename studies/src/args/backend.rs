@@ -47,7 +47,7 @@ enum PathOption {
 /// The path that was faster on an adapter.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeasuredPath {
-    /// Its name.
+    /// Its name and driver.
     pub adapter: String,
     /// What is faster there.
     pub path: GpuPath,
@@ -73,7 +73,7 @@ impl DeviceArgs {
         self.gpu_with(&PathMemory::default())
     }
 
-    /// The same, which measures nothing that it remembers.
+    /// The same; measures the path only if `memory` lacks it.
     fn gpu_with(self, memory: &PathMemory) -> Result<Option<GpuBackend>, BackendError> {
         if self.backend == BackendOption::Cpu {
             return Ok(None);
@@ -110,7 +110,7 @@ impl DeviceArgs {
         self.open_with(&PathMemory::default())
     }
 
-    /// The renderer, which measures nothing that it remembers.
+    /// The renderer; measures the path only if `memory` lacks it.
     ///
     /// # Errors
     /// As [`Self::gpu`].
@@ -128,16 +128,39 @@ fn remembered(device: &SharedDevice, memory: &PathMemory) -> Result<GpuPath, Bac
     if device.is_emulated() {
         return Ok(GpuPath::Fragment);
     }
+    known_or(memory, &format!("{}, {}", device.name(), device.facts().driver), || faster_path(device))
+}
+
+/// The path that is remembered of an adapter, or the measured one, which is remembered.
+fn known_or(
+    memory: &PathMemory,
+    adapter: &str,
+    measure: impl FnOnce() -> Result<GpuPath, BackendError>,
+) -> Result<GpuPath, BackendError> {
     let mut memory = memory.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = memory.as_ref().filter(|known| known.adapter == device.name()) {
+    if let Some(known) = memory.as_ref().filter(|known| known.adapter == adapter) {
         return Ok(known.path);
     }
-    let path = faster_path(device)?;
-    *memory = Some(MeasuredPath { adapter: device.name().into(), path });
+    let path = measure()?;
+    *memory = Some(MeasuredPath { adapter: adapter.into(), path });
     Ok(path)
 }
 
 /// The program's own shaders, or the folder in the environment variable.
 pub fn shader_source() -> ShaderSource {
     std::env::var_os(SHADERS).map_or(ShaderSource::Embedded, |folder| ShaderSource::Folder(folder.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_measured_once_for_each_adapter() {
+        let memory = PathMemory::default();
+        let of = |adapter, measured| known_or(&memory, adapter, || Ok(measured)).unwrap();
+        assert_eq!(of("a card", GpuPath::Compute), GpuPath::Compute);
+        assert_eq!(of("a card", GpuPath::Fragment), GpuPath::Compute, "it is remembered");
+        assert_eq!(of("another", GpuPath::Fragment), GpuPath::Fragment, "negative control");
+    }
 }

@@ -37,6 +37,9 @@ const PICTURE: [&str; 8] = [
     "allow_outside",
 ];
 
+/// Options of the figures by pass, by name or by group.
+const PASSES: [&str; 6] = ["illum_cuts", "frames", "drag", "edits", "resolve", "DeviceArgs"];
+
 /// Options of `bench`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchArgs {
@@ -178,6 +181,9 @@ mod tests {
             "a.cuts --edits m --illum-cuts 256",
             "--fail-above 2",
             "a.cuts --fail-above 2",
+            "--against old --backend cpu",
+            "--gpu-suite --gpu-path compute",
+            "a.cuts --resolve o --gpu-path compute",
             "--gpu-suite a.cuts",
             "--gpu-suite --against old",
             "--gpu-suite --frames 3",

@@ -29,7 +29,6 @@ pub struct LadderArgs {
     /// Largest share of a vertex's light that a node of its lit cut moves, 0 to 1, for the picture of lit cuts
     #[arg(long, value_name = "TAU", default_value_t = DEFAULT_TAU, value_parser = values::share)]
     lit_cuts: f32,
-    // The reference is traced on the CPU.
     #[command(flatten)]
     device: DeviceArgs,
     #[command(flatten)]

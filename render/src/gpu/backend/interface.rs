@@ -38,10 +38,7 @@ impl Backend for GpuBackend {
     }
 
     fn reload(&mut self) -> Result<(), BackendError> {
-        self.pipelines.compile(self.pipelines.shaders.clone())?;
-        self.shown.local_lights.forget_shadows();
-        self.progress.forget();
-        Ok(())
+        self.set_path(self.path())
     }
 
     fn compute(&self) -> Compute {
@@ -107,7 +104,7 @@ impl Backend for GpuBackend {
         let Self { pipelines, shown, .. } = self;
         let uploaded = shown.scene.as_mut().map(|loaded| loaded.upload_rays(pipelines.gpu(), false));
         if let Some(Err(error)) = uploaded {
-            messages.push(format!("mirrors show the environment alone: {error}"));
+            messages.push(without_rays(&error));
         }
         pipelines.gpu().check()?;
         Ok(messages)
@@ -137,7 +134,7 @@ impl Backend for GpuBackend {
         if let Some(loaded) = shown.scene.as_mut().filter(|_| shown.local_lights.have_suns())
             && let Err(error) = loaded.upload_rays(pipelines.gpu(), true)
         {
-            remarks.push(format!("suns shine without shadows: {error}"));
+            remarks.push(without_rays(&error));
         }
         if let Some(loaded) = &mut shown.scene {
             let posed = shown.bounce.light.posed.as_deref();
@@ -295,6 +292,11 @@ impl Backend for GpuBackend {
             shaded: ShadedSamples::of(shaded),
         })
     }
+}
+
+/// Tells once for both that rays meet nothing.
+fn without_rays(error: &BackendError) -> String {
+    format!("mirrors show the environment alone, and suns shine without shadows: {error}")
 }
 
 impl GpuBackend {

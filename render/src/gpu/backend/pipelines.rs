@@ -56,16 +56,16 @@ impl Pipelines {
         &self.device.gpu
     }
 
-    /// Takes other shaders. If that fails, the previous ones stay. What draws by itself compiles them now, so that no first lamp or
+    /// Takes other shaders, or another path. If that fails, the previous ones stay. What draws by itself compiles them now, so that no first lamp or
     /// orbit waits; an adapter that is emulated has better use for the cores.
     ///
     /// # Errors
     /// A shader that cannot be read, or does not compile.
-    pub fn compile(&mut self, shaders: Shaders) -> Result<(), BackendError> {
+    pub fn compile(&mut self, shaders: Shaders, path: GpuPath) -> Result<(), BackendError> {
         let (gpu, variants) = (&self.device.gpu, self.passes.variants());
         let is_edited = matches!(shaders.source, ShaderSource::Folder(_));
-        self.passes = passes(gpu, &shaders, self.path, (is_edited || !is_emulated(&gpu.info)).then_some(&variants))?;
-        self.shaders = shaders;
+        self.passes = passes(gpu, &shaders, path, (is_edited || !is_emulated(&gpu.info)).then_some(&variants))?;
+        (self.shaders, self.path) = (shaders, path);
         Ok(())
     }
 

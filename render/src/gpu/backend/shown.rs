@@ -178,7 +178,7 @@ impl Shown {
         if !wanted || loaded.mirrors == Marks::default() {
             return false;
         }
-        // Edits tell why there is no room.
+        // Who sets materials or lights is told why there is no room.
         let _ = loaded.upload_rays(gpu, false);
         loaded.rays.iter().for_each(|rays| rays.set_view(gpu, view));
         loaded.rays.is_some()
@@ -190,7 +190,7 @@ impl Shown {
         if view.mode != ViewMode::Shaded || !self.local_lights.have_suns() {
             return false;
         }
-        // Changes of the light tell why there is no room.
+        // Who sets materials or lights is told why there is no room.
         let _ = loaded.upload_rays(gpu, true);
         loaded.rays.is_some()
     }

@@ -1,7 +1,7 @@
 //! How long the passes of a sample take.
 
 use super::{GpuBackend, pipelines::Pipelines};
-use crate::{error::BackendError, gpu::passes::Passes, post::Post};
+use crate::{error::BackendError, post::Post};
 use lapidary_core::image::Region;
 use std::time::{Duration, Instant};
 
@@ -19,16 +19,9 @@ pub struct PassTimes {
 }
 
 impl GpuBackend {
-    /// How long each pass takes to compile for the materials of the scene and the variants of the merge that are in use, by its label.
-    ///
-    /// # Errors
-    /// A shader that cannot be read, or does not compile.
-    pub fn compile_times(&self) -> Result<Vec<(&'static str, Duration)>, BackendError> {
-        let Pipelines { passes, shaders, path, .. } = &self.pipelines;
-        let gpu = self.pipelines.gpu();
-        let times = Passes::new(gpu, shaders, *path)?.compile_each(&passes.variants());
-        gpu.check()?;
-        Ok(times)
+    /// What the passes in use took to compile, by their labels.
+    pub fn compile_times(&self) -> Vec<(&'static str, Duration)> {
+        self.pipelines.passes.compile_times()
     }
 
     /// Renders one sample pass by pass, waiting for each. Returns the time of each.

@@ -5,7 +5,7 @@ use crate::device::layout::constants::NO_SHADOW;
 
 use lapidary_core::lights::{Emission, Light};
 
-/// How much there may be of shadow maps.
+/// How much there may be of shadow maps, and of suns with rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShadowRoom {
     /// Layers in all; WebGPU's default limit is 256.

@@ -2,7 +2,7 @@
 //! what changes them. Shadows have tests of their own.
 
 mod shadows;
-mod suns;
+pub(super) mod suns;
 mod thousands;
 
 use super::twin::{agrees, appearance, backend, difference, in_bands, maps, parameters, scene, view};

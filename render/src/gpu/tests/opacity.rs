@@ -17,6 +17,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     dataset::Dataset,
+    lights::{Emission, Light},
     texture::{Procedural, TextureSlot},
 };
 
@@ -82,11 +83,23 @@ fn parts_let_light_through_as_they_were_baked() {
     assert!(part != opaque, "negative control");
 }
 
-/// Means over the floor around the middle, which the panes shade.
 #[test]
 fn shadow_maps_let_through_what_rays_do() {
+    lets_through_what_it_does_on_the_cpu(point_light(Vec3::new(0.0, 3.0, 0.0), 4.0));
+}
+
+#[test]
+fn rays_to_suns_pass_what_they_pass_on_the_cpu() {
+    for angle_degrees in [0.0, 2.0] {
+        let emission = Emission::Directional { angle_degrees };
+        lets_through_what_it_does_on_the_cpu(Light { emission, ..point_light(Vec3::new(0.0, 3.0, 0.0), 1.0) });
+    }
+}
+
+/// Means over the floor around the middle, which the panes shade.
+fn lets_through_what_it_does_on_the_cpu(light: Light) {
     let Some((_one, mut gpu)) = backend() else { return };
-    let lamp = [point_light(Vec3::new(0.0, 3.0, 0.0), 4.0)];
+    let lamp = [light];
     let view = View { aa: 4, ..from_above(64) };
     let shaded = |gpu: &mut crate::gpu::backend::GpuBackend, opacity: f32| {
         let dataset = panes(opacity);

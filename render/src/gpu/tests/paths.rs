@@ -1,12 +1,12 @@
 //! Fragments and kernels have one body: their pixels are equal to the bit.
 
 use super::{
-    bounce, meshless, mirrors, sketch,
+    bounce, direct, meshless, mirrors, sketch,
     twin::{backend, backend_of, on_path, view},
     wavelet,
 };
 use crate::{
-    Backend, Baked, BrdfSampling, Components, Look, Solution, Stale, View, ViewMode,
+    Backend, Baked, BrdfSampling, Components, LocalLighting, Look, Solution, Stale, View, ViewMode,
     gpu::{GpuBackend, GpuPath, ShaderSource},
     test_scenes::{floor_and_wall, mirror, mirror_under_plate, point_light},
 };
@@ -66,6 +66,17 @@ fn pictures_and_sketches_are_the_same() {
 }
 
 #[test]
+fn suns_are_the_same() {
+    let Some((_one, mut gpu)) = backend() else { return };
+    sketch::prepare(&mut gpu);
+    let lights = direct::suns::suns();
+    gpu.set_local_lighting(&LocalLighting { lights: lights.into(), ..Default::default() }).unwrap();
+    let view = View { size: [150, 100], ..view(ViewMode::Shaded) };
+    drawn_by_both(&mut gpu, |gpu| picture(gpu, &view, BrdfSampling::Refine), "suns");
+    drawn_by_both(&mut gpu, |gpu| sketch::sketched(gpu, &view, 4), "a sketch with suns");
+}
+
+#[test]
 fn bounced_light_is_the_same() {
     if let Some(mut rig) = bounce::Rig::new(BrdfModel::Ggx, 0.4) {
         for sampling in [BrdfSampling::Refine, BrdfSampling::Lit] {
@@ -102,7 +113,8 @@ fn mirrors_are_the_same() {
     let mut wall = floor_and_wall(6);
     wall.scene.materials[0] = mirror(0.1);
     for baked in [Baked::from(mirror_under_plate(0.0025)), Baked::from(wall)] {
-        let lights = [point_light(Vec3::new(-1.0, 1.4, 0.2), 3.0)].into();
+        let lamp = point_light(Vec3::new(-1.0, 1.4, 0.2), 3.0);
+        let lights = [lamp, direct::suns::suns().remove(2)].into();
         let look = Look { lights, components: Components::ALL, solution: Solution::Cuts, ..mirrors::base(&baked) };
         let [fragments, kernels] = PATHS.map(|path| mirrors::shown(on_path(path), &baked, &look));
         assert_same(&fragments, &kernels, "mirrors");

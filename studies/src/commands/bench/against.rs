@@ -9,7 +9,7 @@ mod report;
 mod runs;
 mod xwd;
 
-use super::{JsonArgs, PICTURE};
+use super::{JsonArgs, PASSES, PICTURE};
 use crate::{
     bundled::DataFolder,
     outputs::CommandFiles,
@@ -32,7 +32,8 @@ pub struct AgainstArgs {
         long,
         value_name = "PROGRAM",
         conflicts_with_all = PICTURE,
-        conflicts_with_all = ["file", "surfels", "PassesArgs"]
+        conflicts_with_all = PASSES,
+        conflicts_with_all = ["file", "surfels"]
     )]
     against: Option<PathBuf>,
     /// Exit with code 3 if this program takes more than this multiple of the other one's time in any row

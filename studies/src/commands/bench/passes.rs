@@ -35,7 +35,7 @@ pub struct PassesArgs {
     edits: Option<String>,
     /// Move this object by half its width, there and back, and measure how soon the bounced light is solved anew; for a dataset baked
     /// with radiosity
-    #[arg(long, value_name = "OBJECT", conflicts_with_all = ["illum_cuts", "drag", "edits", "backend"])]
+    #[arg(long, value_name = "OBJECT", conflicts_with_all = ["illum_cuts", "drag", "edits", "DeviceArgs"])]
     resolve: Option<String>,
     #[command(flatten)]
     pub(super) device: DeviceArgs,

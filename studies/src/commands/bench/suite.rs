@@ -4,13 +4,13 @@
 mod report;
 
 use super::{
-    JsonArgs, PICTURE,
+    JsonArgs, PASSES, PICTURE,
     against::program::{Patience, Program},
     drag::{Detailed, dragged, object_named},
     passes::{Times, frames_of, medians, passes},
 };
 use crate::{
-    args::{DeviceArgs, LocalLightArgs, ViewArgs, ViewedScene},
+    args::{LocalLightArgs, ViewArgs, ViewedScene, shader_source},
     bundled::DataFolder,
     ladder::Cuts,
     terminal::{Console, Steps},
@@ -21,9 +21,9 @@ use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_interchange::image;
 use lapidary_precompute::Observer;
 use lapidary_render::{
-    Backend, CpuBackend, ImplicitDetail, LitScene, Look, Post, View,
+    Backend, BackendError, CpuBackend, ImplicitDetail, LitScene, Look, Post, View,
     compare::compare,
-    gpu::{GpuBackend, GpuPath, faster_path},
+    gpu::{GpuBackend, GpuPath, Room, SharedDevice, faster_path},
 };
 use report::{Bake, Compiled, Difference, Drag, Picture, Suite};
 use std::{
@@ -42,7 +42,8 @@ pub struct SuiteArgs {
     #[arg(
         long,
         conflicts_with_all = PICTURE,
-        conflicts_with_all = ["file", "surfels", "against", "PassesArgs"]
+        conflicts_with_all = PASSES,
+        conflicts_with_all = ["file", "surfels", "against"]
     )]
     pub gpu_suite: bool,
 }
@@ -115,6 +116,7 @@ struct Bench<'a> {
     data: &'a DataFolder,
     folder: TempDir,
     console: Console,
+    device: &'a SharedDevice,
     steps: Steps,
 }
 
@@ -124,11 +126,10 @@ struct Bench<'a> {
 /// No adapter, a lost one, missing bundled data, an unwritable report, or Ctrl-C.
 pub fn run(data: &DataFolder, json: &JsonArgs, console: Console) -> Result<()> {
     let start = Instant::now();
-    let gpu = DeviceArgs::GPU.gpu()?.context("there is no adapter")?;
-    let device = gpu.device().clone();
+    let device = SharedDevice::new(Room::All)?;
     let size = if device.is_emulated() { SMALL } else { SIZE };
     let folder = tempfile::tempdir().context("cannot bake to the folder for temporary files; check its free space")?;
-    let bench = Bench { data, folder, console, steps: Steps::new(console) };
+    let bench = Bench { data, folder, console, device: &device, steps: Steps::new(console) };
     let bakes = [STILL_LIFE, INTERIOR, COLOR_BOX].iter().map(|scene| bench.bakes(scene)).collect::<Result<Vec<_>>>()?;
     let (mut pictures, mut compiled) = (Vec::new(), Vec::new());
     for row in &ROWS {
@@ -143,7 +144,6 @@ pub fn run(data: &DataFolder, json: &JsonArgs, console: Console) -> Result<()> {
         pictures,
         drags,
         compiled,
-        allocated_bytes: device.allocated_bytes(),
         seconds: start.elapsed().as_secs_f64(),
     };
     json.tell(&suite, || suite.table())
@@ -171,7 +171,7 @@ impl Bench<'_> {
         self.folder.path().join(scene.name).with_extension("cuts")
     }
 
-    /// A row's picture by each path, and in `compiled` what its passes took to compile if its scene is new.
+    /// A row's picture by each path, and in `compiled` what its passes took to compile.
     fn pictures(&self, row: &Row, size: [u32; 2], compiled: &mut Vec<Compiled>) -> Result<Vec<Picture>> {
         self.steps.begin(&row.label());
         let viewed = self.viewed(row)?;
@@ -180,19 +180,16 @@ impl Bench<'_> {
         let small = Look { view: View { size: SMALL, ..look.view.clone() }, ..look.clone() };
         let large = Look { view: View { size, ..look.view.clone() }, ..look };
         let expected = shown(&mut LitScene::new(Box::new(CpuBackend::new()), viewed.baked.clone())?, &small)?;
-        let gpu = DeviceArgs::GPU.gpu()?.context("there is no adapter")?;
-        let mut scene = LitScene::new(Box::new(gpu), viewed.baked.clone())?;
+        let mut scene = LitScene::new(Box::new(self.backend()?), viewed.baked.clone())?;
         let mut picture = |path: GpuPath| {
             self.steps.check()?;
             scene.backend().set_path(path)?;
             let times = frames_of(&mut scene, &large, FRAMES, timed)?;
             let metrics = compare(&shown(&mut scene, &small)?, &expected)?;
-            let is_new = !compiled.iter().any(|known| known.scene == row.scene.name && known.path == path);
-            if is_new {
-                compiled.push(Compiled::new(row.scene.name, path, &scene.backend().compile_times()?));
-            }
+            compiled.push(Compiled::new(row.label(), path, &scene.backend().compile_times()));
+            let allocated_bytes = self.device.allocated_bytes();
             let difference = Difference { relative: metrics.rel_rmse, flip: metrics.flip };
-            Ok(Picture { name: row.label(), path, milliseconds: medians(&times), difference })
+            Ok(Picture { name: row.label(), path, milliseconds: medians(&times), difference, allocated_bytes })
         };
         PATHS.into_iter().map(&mut picture).collect()
     }
@@ -201,11 +198,17 @@ impl Bench<'_> {
         self.steps.begin(&format!("{}, dragged {object}", row.label()));
         let viewed = self.viewed(row)?;
         let index = object_named(&viewed.baked.dataset.scene, object)?;
-        let mut scene = LitScene::new(DeviceArgs::GPU.open()?, viewed.baked.clone())?;
+        let backend: Box<dyn Backend> = Box::new(self.backend()?);
+        let mut scene = LitScene::new(backend, viewed.baked.clone())?;
         let looks = dragged(&viewed.baked.dataset.scene, index, &viewed.look()?, DRAG_STEPS);
         let ends = [ImplicitDetail::LADDER.first(), ImplicitDetail::LADDER.last()].into_iter().flatten();
         let details = ends.map(|&detail| Detailed::measure(&mut scene, detail, &looks)).collect::<Result<_, _>>()?;
         Ok(Drag { name: row.label(), object: object.into(), details })
+    }
+
+    /// By fragments, until another path is set.
+    fn backend(&self) -> Result<GpuBackend, BackendError> {
+        GpuBackend::new(self.device.clone(), &shader_source(), GpuPath::Fragment)
     }
 
     fn viewed(&self, row: &Row) -> Result<ViewedScene> {
@@ -223,7 +226,7 @@ impl Row {
     }
 }
 
-fn timed(scene: &mut LitScene<GpuBackend>) -> Result<Times, lapidary_render::BackendError> {
+fn timed(scene: &mut LitScene<GpuBackend>) -> Result<Times, BackendError> {
     Ok(passes(scene.backend().timed_sample(0, &Post::default())?))
 }
 

@@ -71,7 +71,7 @@ fn judge(rig: &mut Rig, view: &View, light: &Light, room: ShadowRoom, metres_per
     verdict
 }
 
-/// Lights and the width of a texel at one meter, or of parallel light, as a multiple of one over the map's size.
+/// Lights and the width of a texel at one meter, as a multiple of one over the map's size.
 fn casting() -> Vec<(Light, f32)> {
     let tan = |degrees: f32| degrees.to_radians().tan();
     vec![
@@ -79,8 +79,6 @@ fn casting() -> Vec<(Light, f32)> {
         (light(Emission::Point, [1.7, 0.12, 1.4], [0.0; 3]), 2.0), // grazes the floor
         (light(spot(40.0, 10.0), [1.2, 2.4, 0.9], [-0.2, 0.0, 0.1]), 2.0 * tan(40.0)),
         (light(spot(85.0, 5.0), [0.8, 1.6, 1.0], [-0.4, 0.2, 0.0]), 2.0),
-        (light(Emission::PARALLEL, [1.0, 1.6, 0.7], [0.0; 3]), 6.0),
-        (light(Emission::PARALLEL, [1.0, 0.06, 0.3], [0.0; 3]), 6.0), // grazes the floor
     ]
 }
 
@@ -124,7 +122,8 @@ fn edges_are_filtered_and_no_wider_than_the_kernel() {
     assert!(coarse > 0.01 && fine < 0.4 * coarse, "{coarse} and {fine}");
 }
 
-/// The mean over samples that share the shadow maps of a light's points is close to the mean over many shadow rays.
+/// The mean over samples, which share the shadow maps of a rectangle's points or are rays to a sun, is close to the mean over many shadow
+/// rays.
 #[test]
 fn lights_with_an_extent_cast_soft_shadows() {
     let Some(mut rig) = shadow_rig() else { return };

@@ -17,8 +17,6 @@ pub struct Suite {
     pub pictures: Vec<Picture>,
     pub drags: Vec<Drag>,
     pub compiled: Vec<Compiled>,
-    /// Bytes on the adapter at the end, if its interface tells.
-    pub allocated_bytes: Option<u64>,
     /// Of the whole suite.
     pub seconds: f64,
 }
@@ -40,6 +38,8 @@ pub struct Picture {
     /// Median times by pass, and `total`.
     pub milliseconds: BTreeMap<&'static str, f64>,
     pub difference: Difference,
+    /// Bytes on the adapter with it, if its interface tells.
+    pub allocated_bytes: Option<u64>,
 }
 
 /// From the picture of the CPU.
@@ -59,19 +59,19 @@ pub struct Drag {
     pub details: Vec<Detailed>,
 }
 
-/// What the passes of a scene took to compile.
+/// What the passes of a picture took to compile, where the driver did not know them from before.
 #[derive(Debug, Serialize)]
 pub struct Compiled {
-    pub scene: &'static str,
+    pub name: String,
     pub path: GpuPath,
     /// By the label of the pass, in the order of compilation.
     pub milliseconds: Vec<(&'static str, f64)>,
 }
 
 impl Compiled {
-    pub fn new(scene: &'static str, path: GpuPath, times: &[(&'static str, Duration)]) -> Self {
+    pub fn new(name: String, path: GpuPath, times: &[(&'static str, Duration)]) -> Self {
         let milliseconds = times.iter().map(|&(pass, time)| (pass, 1e3 * time.as_secs_f64())).collect();
-        Self { scene, path, milliseconds }
+        Self { name, path, milliseconds }
     }
 }
 
@@ -88,24 +88,22 @@ impl Suite {
         for Bake { scene, device, seconds, rays } in &self.bakes {
             writeln!(text, "bake, {scene}, {device}: {seconds:.1} s, {:.0} million rays", 1e-6 * *rays as f64)?;
         }
-        for Picture { name, path, milliseconds, difference } in &self.pictures {
+        for Picture { name, path, milliseconds, difference, allocated_bytes } in &self.pictures {
             let passes: Vec<String> = milliseconds.iter().map(|(name, ms)| format!("{name} {ms:.2}")).collect();
             let Difference { relative, flip } = difference;
             let (path, passes) = (label(*path), passes.join(", "));
-            writeln!(text, "{name}, {path}: {passes} ms; from the CPU's {relative:.4}, FLIP {flip:.4}")?;
+            let memory = allocated_bytes.map_or(String::new(), |bytes| format!("; {} MiB", bytes >> 20));
+            writeln!(text, "{name}, {path}: {passes} ms; from the CPU's {relative:.4}, FLIP {flip:.4}{memory}")?;
         }
         for Drag { name, object, details } in &self.drags {
             writeln!(text, "{name}, \"{object}\" dragged:")?;
             details.iter().for_each(|detail| text += &detail.line());
         }
-        for Compiled { scene, path, milliseconds } in &self.compiled {
+        for Compiled { name, path, milliseconds } in &self.compiled {
             let all: f64 = milliseconds.iter().map(|(_, ms)| ms).sum();
             let (longest, most) = milliseconds.iter().max_by(|a, b| a.1.total_cmp(&b.1)).ok_or(std::fmt::Error)?;
             let path = label(*path);
-            writeln!(text, "compiled, {scene}, {path}: {all:.0} ms, of which {longest} {most:.0}")?;
-        }
-        if let Some(bytes) = self.allocated_bytes {
-            writeln!(text, "{} MiB on the adapter", bytes >> 20)?;
+            writeln!(text, "compiled, {name}, {path}: {all:.0} ms, of which {longest} {most:.0}")?;
         }
         Ok(text)
     }
@@ -141,23 +139,22 @@ mod tests {
                 path: GpuPath::Fragment,
                 milliseconds: BTreeMap::from([("total", 2.0)]),
                 difference: Difference { relative: 0.001, flip: 0.002 },
+                allocated_bytes: Some(3 << 20),
             }],
             drags: Vec::new(),
             compiled: vec![Compiled::new(
-                "room",
+                "room".into(),
                 GpuPath::Compute,
                 &[("a", Duration::from_millis(3)), ("b", Duration::from_millis(4))],
             )],
-            allocated_bytes: Some(3 << 20),
             seconds: 9.0,
         };
         let lines = [
             "a card (DiscreteGpu), driver 1, vulkan; 4 x 3; 9 s",
             "the faster path is compute",
             "bake, room, gpu: 1.5 s, 2 million rays",
-            "room: day, fragment: total 2.00 ms; from the CPU's 0.0010, FLIP 0.0020",
+            "room: day, fragment: total 2.00 ms; from the CPU's 0.0010, FLIP 0.0020; 3 MiB",
             "compiled, room, compute: 7 ms, of which b 4",
-            "3 MiB on the adapter",
         ];
         assert_eq!(suite.table().lines().collect::<Vec<_>>(), lines);
     }
