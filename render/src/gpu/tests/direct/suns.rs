@@ -23,7 +23,7 @@ pub(in crate::gpu) fn suns() -> Vec<Light> {
     let sun = |angle_degrees, position| light(Emission::Directional { angle_degrees }, position, [0.0; 3]);
     vec![
         light(Emission::PARALLEL, [1.0, 1.6, 0.7], [0.0; 3]),
-        sun(0.53, [1.0, 1.0, 0.4]),
+        sun(0.53, [0.8, 1.6, 0.9]),
         sun(2.0, [0.5, 2.2, 0.6]),
         sun(30.0, [-0.5, 1.2, 0.6]),
     ]
