@@ -85,7 +85,18 @@ fn a_sequence_with_layers_is_the_same_on_both_backends() {
 }
 
 #[test]
-fn suns_agree_on_both_backends_but_for_the_texels_of_shadow_maps() {
+fn both_paths_write_the_same_pixels() {
+    let Some(folder) = baked() else { return };
+    for (path, samples) in [("fragment", 2), ("compute", 2), ("compute", 1)] {
+        let out = format!("--backend gpu --gpu-path {path} --aa {samples} --out {path}-{samples}.exr");
+        folder.succeed(&format!("render a.cuts {VIEW} {out}"));
+    }
+    assert!(error(&folder, "fragment-2.exr", "compute-2.exr") <= 0.0);
+    assert!(error(&folder, "fragment-2.exr", "compute-1.exr") > 0.0, "negative control: other samples");
+}
+
+#[test]
+fn suns_agree_on_both_backends() {
     let Some(folder) = baked() else { return };
     for degrees in [0, 180, 250] {
         for (backend, sun) in [("gpu", "on"), ("cpu", "on"), ("cpu", "off")] {
