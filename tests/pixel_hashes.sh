@@ -6,7 +6,7 @@
 #   tests/pixel_hashes.sh BEFORE >before.txt; tests/pixel_hashes.sh AFTER >after.txt; diff before.txt after.txt
 #
 # BEFORE and AFTER are two builds of `lapidary`. Compare on one machine: libraries of mathematics and drivers differ in
-# their last bits. tests/pixel_hashes.txt holds those of 29 November 2026, by Mesa's llvmpipe in Debian on a machine with AVX2.
+# their last bits. tests/pixel_hashes.txt holds those of 30 November 2026, by Mesa's llvmpipe in Debian on a machine with AVX2.
 set -euo pipefail
 lapidary=$(realpath "${1:?usage: tests/pixel_hashes.sh LAPIDARY}")
 cd "$(dirname "$0")/.."
