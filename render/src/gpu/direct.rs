@@ -163,23 +163,33 @@ impl DirectLights {
             maps.encode(&mut encoder, &passes.shadow, groups, 3 * scene.triangle_count, view);
         }
         gpu.queue.submit([encoder.finish()]);
-        let Some(maps) = &self.maps else { return Vec::new() };
-        let suns_seen = &rays.map_or(nothing, |(_, seen)| seen).view;
         let (direct, added) = packed.split_at_mut(self.first);
         let parts = [(LightPart::Direct, direct, 0), (LightPart::Added, added, self.first)];
-        let pass = |(part, lights, first): (LightPart, &mut [LocalLight], usize)| {
-            let casting = rays.map_or(Vec::new(), |_| self.casting_suns(lights));
-            for (number, &sun) in (0..).zip(&casting) {
-                lights[sun].first_view = number;
-            }
-            let suns = casting.iter().map(|&sun| &self.lights[first + sun]);
-            let suns = rays.filter(|_| !casting.is_empty()).map(|(rays, _)| sun_rays(gpu, suns, rays));
-            let suns = suns.map(|rays| (passes.suns.clone(), rays));
-            let local_lights = &storage(gpu, "local lights", bytemuck::cast_slice(lights));
-            let light = LocalLights { shadow_views, local_lights, shadow_maps: &maps.array, suns_seen }.bind(gpu);
-            PartPass { part, pass: passes.direct.clone(), light, suns }
-        };
-        parts.into_iter().filter(|(_, lights, _)| !lights.is_empty()).map(pass).collect()
+        let read = (shadow_views, rays, nothing);
+        let pass =
+            |(part, lights, first): (_, &mut [LocalLight], _)| self.pass(gpu, passes, (part, lights, first), read);
+        parts.into_iter().filter(|(_, lights, _)| !lights.is_empty()).filter_map(pass).collect()
+    }
+
+    /// The pass of a part of the lights, which begins with the light `first`. Its suns get their numbers.
+    fn pass(
+        &self,
+        gpu: &GpuDevice,
+        passes: &Passes,
+        (part, lights, first): (LightPart, &mut [LocalLight], usize),
+        (shadow_views, rays, nothing): (&wgpu::Buffer, Option<(&PictureRays, &Target)>, &Target),
+    ) -> Option<PartPass> {
+        let casting = rays.map_or(Vec::new(), |_| self.casting_suns(lights));
+        for (number, &sun) in (0..).zip(&casting) {
+            lights[sun].first_view = number;
+        }
+        let suns = casting.iter().map(|&sun| &self.lights[first + sun]);
+        let suns = rays.filter(|_| !casting.is_empty()).map(|(rays, _)| sun_rays(gpu, suns, rays));
+        let local_lights = &storage(gpu, "local lights", bytemuck::cast_slice(lights));
+        let suns_seen = &rays.map_or(nothing, |(_, seen)| seen).view;
+        let shadow_maps = &self.maps.as_ref()?.array;
+        let light = LocalLights { shadow_views, local_lights, shadow_maps, suns_seen }.bind(gpu);
+        Some(PartPass { part, pass: passes.direct.clone(), light, suns: suns.map(|rays| (passes.suns.clone(), rays)) })
     }
 
     /// Whether there are textures of lights.
