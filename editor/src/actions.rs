@@ -26,7 +26,7 @@ pub enum Action {
     /// Do the last undone edit again.
     Redo,
     /// Change how the window looks, or where its file dialogs begin.
-    Preferences(Preferences),
+    Preferences(Box<Preferences>),
     /// Show or hide the keyboard map.
     ToggleKeys,
     /// Explain a pixel of the live picture, by its column and row.
@@ -58,6 +58,11 @@ pub enum Action {
 }
 
 impl Action {
+    /// The change to these preferences.
+    pub fn prefer(preferences: Preferences) -> Self {
+        Self::Preferences(Box::new(preferences))
+    }
+
     /// Its path, if it has one.
     pub fn path(&mut self) -> Option<&mut Option<PathBuf>> {
         match self {

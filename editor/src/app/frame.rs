@@ -128,7 +128,7 @@ impl EditorState {
         if let Some((files, folder)) = self.dialogs.left() {
             let mut preferences = self.work.preferences.clone();
             preferences.folders.remember(files, &folder);
-            actions.push(Action::Preferences(preferences));
+            actions.push(Action::prefer(preferences));
         }
         actions.extend(chosen);
     }

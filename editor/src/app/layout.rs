@@ -90,11 +90,7 @@ fn drag_edges(ui: &Ui, rects: [Rect; 2], state: &mut EditorState, actions: &mut 
     let ended = Edge::BOTH.map(|edge| side_panels::drag_edge(ui, edge, panels, rects[edge as usize]));
     if ended.contains(&true) {
         let [side_width, inspector_width] = panels.widths;
-        actions.push(Action::Preferences(Preferences {
-            side_width,
-            inspector_width,
-            ..state.work.preferences.clone()
-        }));
+        actions.push(Action::prefer(Preferences { side_width, inspector_width, ..state.work.preferences.clone() }));
     }
 }
 

@@ -215,7 +215,7 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         Theme::Light => ("Dark theme", Theme::Dark),
     };
     if ui.button(label).clicked() {
-        actions.push(Action::Preferences(Preferences { theme, ..state.work.preferences.clone() }));
+        actions.push(Action::prefer(Preferences { theme, ..state.work.preferences.clone() }));
         ui.close();
     }
 }
@@ -235,13 +235,13 @@ fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let mut bakes_scenes = state.work.preferences.bakes_scenes;
     let automatic = ui.checkbox(&mut bakes_scenes, "Bake scenes when they open");
     if automatic.on_hover_text("Bakes a draft, then the full bake, at low priority. The cache keeps both.").clicked() {
-        actions.push(Action::Preferences(Preferences { bakes_scenes, ..state.work.preferences.clone() }));
+        actions.push(Action::prefer(Preferences { bakes_scenes, ..state.work.preferences.clone() }));
     }
     let mut follows_edits = state.work.preferences.follows_edits;
     let follows = ui.checkbox(&mut follows_edits, "Bake anew after a move");
     let help = "Bakes shadows and bounced light anew where a moved object or an edited opacity reaches. The rest stays as baked.";
     if follows.on_hover_text(help).clicked() {
-        actions.push(Action::Preferences(Preferences { follows_edits, ..state.work.preferences.clone() }));
+        actions.push(Action::prefer(Preferences { follows_edits, ..state.work.preferences.clone() }));
     }
 }
 

@@ -29,7 +29,7 @@ impl EditorState {
             Action::EndGesture => self.work.history.end_gesture(),
             Action::Undo => self.work.undo(),
             Action::Redo => self.work.redo(),
-            Action::Preferences(preferences) => self.work.prefer(preferences),
+            Action::Preferences(preferences) => self.work.prefer(*preferences),
             Action::ToggleKeys => self.interface.keys_open = !self.interface.keys_open,
             Action::Quit => self.quit(ctx),
             Action::File(action) => self.perform_file(ctx, action),
@@ -143,11 +143,9 @@ impl EditorState {
             Command::Keys => Action::ToggleKeys,
             Command::Mode(mode) => Action::Edit { edit: view(&|v| v.mode = mode), label: "View mode" },
             Command::Wireframe => Action::Edit { edit: view(&|v| v.wireframe = !v.wireframe), label: "Wireframe" },
-            Command::LargerInterface => Action::Preferences(self.scaled(1)),
-            Command::SmallerInterface => Action::Preferences(self.scaled(-1)),
-            Command::DefaultInterface => {
-                Action::Preferences(Preferences { ui_scale: 1.0, ..self.work.preferences.clone() })
-            }
+            Command::LargerInterface => Action::prefer(self.scaled(1)),
+            Command::SmallerInterface => Action::prefer(self.scaled(-1)),
+            Command::DefaultInterface => Action::prefer(Preferences { ui_scale: 1.0, ..self.work.preferences.clone() }),
             Command::Tool(tool) => {
                 self.pose.tool = tool;
                 return;
