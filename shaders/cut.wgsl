@@ -13,13 +13,13 @@ const LARGEST_SOLID_ANGLE: f32 = 6.2831855;
 const ORDERS: f32 = 30.0;
 const ORDERS_PER_CODE: f32 = 30.0 / 4094.0;
 
-// A position in a cut.
+// A position in a cut, in as few registers as can be: with a whole texel in each, fewer groups of threads are in flight.
 struct Cursor {
-    // The nodes from the current one on, as far as the texel reaches; the current one in the low bits of x.
-    texel: vec4<u32>,
-    // Index of the current node in the whole texture.
+    // The current node, in the low half.
+    node: u32,
+    // Its index in the whole texture or array.
     position: u32,
-    // One past the last leaf of the current node.
+    // One past its last leaf.
     end: u32,
 }
 
@@ -31,13 +31,22 @@ fn illumination_texel(index: u32) -> vec4<u32> {
     return textureLoad(illumination_cut, vec2(index & ((1u << CUT_WIDTH_LOG2) - 1u), index >> CUT_WIDTH_LOG2), 0);
 }
 
-// Leaves below the current node.
-fn cursor_size(texel: vec4<u32>) -> u32 {
-    return 1u << (tree_height() - ((texel.x >> 12u) & 15u));
+// A node of a texel, by its index.
+fn node_in(texel: vec4<u32>, position: u32) -> u32 {
+    return (texel[(position >> 1u) & 3u] >> (16u * (position & 1u))) & 0xffffu;
+}
+
+fn node_depth(node: u32) -> u32 {
+    return (node >> 12u) & 15u;
+}
+
+// Leaves below a node.
+fn leaves_below(node: u32) -> u32 {
+    return 1u << (tree_height() - node_depth(node));
 }
 
 fn cursor_value(cursor: Cursor) -> f32 {
-    return value_of_code(cursor.texel.x & 4095u);
+    return value_of_code(cursor.node & 4095u);
 }
 
 fn value_of_code(code: u32) -> f32 {
@@ -47,37 +56,33 @@ fn value_of_code(code: u32) -> f32 {
     return select(LARGEST_SOLID_ANGLE * exp2(f32(code - 1u) * ORDERS_PER_CODE - ORDERS), 0.0, code == 0u);
 }
 
-// The texel without its first node.
-fn shifted(texel: vec4<u32>) -> vec4<u32> {
-    return (texel >> vec4(16u)) | (vec4(texel.yzw, 0u) << vec4(16u));
+// At a node that begins at some leaf.
+fn cursor_at(node: u32, position: u32, begin: u32) -> Cursor {
+    return Cursor(node, position, begin + leaves_below(node));
+}
+
+fn visibility_node(position: u32) -> u32 {
+    return node_in(visibility_texel(position >> 3u), position);
+}
+
+fn illumination_node(position: u32) -> u32 {
+    return node_in(illumination_texel(position >> 3u), position);
 }
 
 fn visibility_cursor(offset: u32) -> Cursor {
-    let texel = visibility_texel(offset);
-    return Cursor(texel, offset << 3u, cursor_size(texel));
+    return cursor_at(visibility_node(offset << 3u), offset << 3u, 0u);
 }
 
 fn illumination_cursor() -> Cursor {
-    let texel = illumination_texel(0u);
-    return Cursor(texel, 0u, cursor_size(texel));
+    return cursor_at(illumination_node(0u), 0u, 0u);
 }
 
 fn advance_visibility(cursor: ptr<function, Cursor>) {
-    (*cursor).position += 1u;
-    if ((*cursor).position & 7u) == 0u {
-        (*cursor).texel = visibility_texel((*cursor).position >> 3u);
-    } else {
-        (*cursor).texel = shifted((*cursor).texel);
-    }
-    (*cursor).end += cursor_size((*cursor).texel);
+    let position = (*cursor).position + 1u;
+    *cursor = cursor_at(visibility_node(position), position, (*cursor).end);
 }
 
 fn advance_illumination(cursor: ptr<function, Cursor>) {
-    (*cursor).position += 1u;
-    if ((*cursor).position & 7u) == 0u {
-        (*cursor).texel = illumination_texel((*cursor).position >> 3u);
-    } else {
-        (*cursor).texel = shifted((*cursor).texel);
-    }
-    (*cursor).end += cursor_size((*cursor).texel);
+    let position = (*cursor).position + 1u;
+    *cursor = cursor_at(illumination_node(position), position, (*cursor).end);
 }

@@ -6,45 +6,32 @@
 // First lit node of the stored cut that starts at each texel.
 @group(2) @binding(5) var<storage, read> lit_offsets: array<u32>;
 
-// A position in a lit cut.
-struct LitCursor {
-    node: u32,
-    // Index of the node in the whole array.
-    position: u32,
-    // One past the last leaf of the node.
-    end: u32,
-}
-
-// Leaves below a packed node.
-fn lit_size(node: u32) -> u32 {
-    return 1u << (tree_height() - ((node >> 12u) & 15u));
-}
-
-fn lit_cursor(cut_offset: u32) -> LitCursor {
+fn lit_cursor(cut_offset: u32) -> Cursor {
     let position = lit_offsets[cut_offset];
-    let node = lit_nodes[position];
-    return LitCursor(node, position, lit_size(node));
+    return cursor_at(lit_nodes[position], position, 0u);
 }
 
-fn lit_value(cursor: LitCursor) -> f32 {
-    return value_of_code(cursor.node & 4095u);
+fn advance_lit(cursor: ptr<function, Cursor>) {
+    let position = (*cursor).position + 1u;
+    *cursor = cursor_at(lit_nodes[position], position, (*cursor).end);
 }
 
-fn advance_lit(cursor: ptr<function, LitCursor>) {
-    (*cursor).position += 1u;
-    (*cursor).node = lit_nodes[(*cursor).position];
-    (*cursor).end += lit_size((*cursor).node);
+// At the node that contains `leaf`: the current one or that before it.
+fn lit_around(lit: Cursor, leaf: u32) -> Cursor {
+    let begin = lit.end - leaves_below(lit.node);
+    if leaf >= begin {
+        return lit;
+    }
+    return Cursor(lit_nodes[lit.position - 1u], lit.position - 1u, begin);
 }
 
-// Advances a position in the stored cut at `cut_offset` to the node that contains `leaf`, which lies below the node of `lit`.
-fn seek_visibility(cursor: ptr<function, Cursor>, cut_offset: u32, lit: LitCursor, leaf: u32) {
-    let position = (cut_offset << 3u) + (lit.node >> 16u);
+// Advances a position in the stored cut at `cut_offset` to the node that contains `leaf`, which lies below the current node of `lit` or
+// that before it.
+fn seek_visibility(cursor: ptr<function, Cursor>, cut_offset: u32, lit: Cursor, leaf: u32) {
+    let around = lit_around(lit, leaf);
+    let position = (cut_offset << 3u) + (around.node >> 16u);
     if position > (*cursor).position {
-        var texel = visibility_texel(position >> 3u);
-        for (var i = 0u; i < (position & 7u); i += 1u) {
-            texel = shifted(texel);
-        }
-        *cursor = Cursor(texel, position, lit.end - lit_size(lit.node) + cursor_size(texel));
+        *cursor = cursor_at(visibility_node(position), position, around.end - leaves_below(around.node));
     }
     while (*cursor).end <= leaf {
         advance_visibility(cursor);

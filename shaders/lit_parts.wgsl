@@ -40,11 +40,11 @@ struct Part {
 var<private> pending: array<Part, 17>;
 
 fn part_at(cursor: Cursor, start: u32) -> Part {
-    let size = cursor_size(cursor.texel);
+    let size = leaves_below(cursor.node);
     let node = ((1u << tree_height()) + cursor.end - size) / size;
-    let code = cursor.texel.x & 4095u;
+    let code = cursor.node & 4095u;
     let light = luminance(nodes[node].radiance) * f32(size);
-    return Part((cursor.texel.x >> 12u) & 15u, cursor.position - (start << 3u), code, value_of_code(code), light, 0.0);
+    return Part(node_depth(cursor.node), cursor.position - (start << 3u), code, value_of_code(code), light, 0.0);
 }
 
 // Coarsens a stored cut and keeps its nodes from `first` on, as the kernel defines. Returns their number.

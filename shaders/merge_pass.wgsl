@@ -19,15 +19,15 @@ fn written_at(texel: vec2<u32>) -> Sums {
     }
     let g = textureLoad(geometry, pixel, 0);
     let direction = seen_along(pixel);
-    let begun = Begun(pixel, sums, g, false, is_surface(g));
-    if !begun.has_surface {
-        return with_background(begun, direction);
+    if !is_surface(g) {
+        return with_background(Begun(pixel, sums, g, false, false), direction);
     }
     let point = surface_point(g, pixel, direction);
     var shaded = no_light();
     if FIELD != FIELD_NONE && needs_merge() {
         shaded = merge_cuts(point);
     }
+    let begun = begun_again(pixel, shaded);
     let work = vec2(shaded.merged_nodes, shaded.brdf_evaluations);
     // The first part also has values that need no merge.
     if !IS_FIRST {
@@ -36,6 +36,13 @@ fn written_at(texel: vec2<u32>) -> Sums {
     }
     let wire = select(0.0, wireframe_coverage(pixel, point.vertices), frame.wireframe != 0u);
     return with_sample(begun, vec4(view_value(begun, point, shaded), wire), work);
+}
+
+// A pixel after its merge. What was read before is read again, from a place of which compilers do not know that it is the same: as much
+// would otherwise wait in registers.
+fn begun_again(pixel: vec2<u32>, shaded: Shaded) -> Begun {
+    let place = pixel + select(0u, 1u, shaded.merged_nodes == 0xffffffffu);
+    return Begun(pixel, previous_sums(place), textureLoad(geometry, place, 0), false, true);
 }
 
 fn needs_merge() -> bool {
@@ -116,7 +123,6 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
     var l = illumination_cursor();
     let w = point.weights;
     let lobes = lobes_to_follow(point);
-    let mirrored = mirrored_direction(point);
     let mirror = mirror_at(point);
     var first = 0u;
     var visibility = 0.0;
@@ -130,7 +136,7 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
             visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
             shaded.merged_nodes += 1u;
             root = (leaves + first) >> firstTrailingBit(end - first);
-            if visibility > 0.0 || shows_in_window(point, mirror, mirrored, root) {
+            if visibility > 0.0 || shows_in_window(point, mirror, root) {
                 node = root;
             }
             first = end;
@@ -142,7 +148,8 @@ fn merge_stored(point: SurfacePoint) -> Shaded {
             }
         }
         if node == 0u { break; }
-        let part = first_fine(point, seen_from(point, mirrored, node), mirrored, lobes);
+        let whole = seen_from(point, node);
+        let part = first_fine(point, whole, shows_in_lobe(whole, lobes), lobes);
         add_light(&shaded, point, part, visibility, mirror);
         node = next_node(part.node, root);
     }
@@ -179,17 +186,13 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
     var stored_c = visibility_cursor(offsets.z);
     let w = point.weights;
     let lobes = lobes_to_follow(point);
-    let mirrored = mirrored_direction(point);
     let mirror = mirror_at(point);
     var first = 0u;
     // The stored cuts are merged up to this leaf.
     var stored_end = 0u;
-    // The node of the merged cut, the lit nodes that contain it, and the part being tested.
+    // The node of the merged cut, and the part being tested.
     var interval = vec2(0u);
     var is_lit = false;
-    var lit_a = a;
-    var lit_b = b;
-    var lit_c = c;
     var visibility = 0.0;
     var root = 0u;
     var node = 0u;
@@ -200,10 +203,7 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             var end = 0u;
             if is_lit {
                 end = min(min(a.end, b.end), c.end);
-                visibility = w.x * lit_value(a) + w.y * lit_value(b) + w.z * lit_value(c);
-                lit_a = a;
-                lit_b = b;
-                lit_c = c;
+                visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
                 if end < leaves {
                     if a.end == end { advance_lit(&a); }
                     if b.end == end { advance_lit(&b); }
@@ -222,23 +222,24 @@ fn merge_lit(point: SurfacePoint) -> Shaded {
             interval = vec2(first, end);
             first = end;
             root = (leaves + interval.x) >> firstTrailingBit(interval.y - interval.x);
-            if visibility > 0.0 || shows_in_window(point, mirror, mirrored, root) {
+            if visibility > 0.0 || shows_in_window(point, mirror, root) {
                 node = root;
             }
         }
         if node == 0u { break; }
-        let whole = seen_from(point, mirrored, node);
-        if is_lit && visibility > 0.0 && node == root && shows_in_lobe(whole, lobes) {
+        let whole = seen_from(point, node);
+        let is_wide = shows_in_lobe(whole, lobes);
+        if is_wide && is_lit && visibility > 0.0 && node == root {
             first = interval.x;
             stored_end = interval.y;
-            seek_visibility(&stored_a, offsets.x, lit_a, first);
-            seek_visibility(&stored_b, offsets.y, lit_b, first);
-            seek_visibility(&stored_c, offsets.z, lit_c, first);
+            seek_visibility(&stored_a, offsets.x, a, first);
+            seek_visibility(&stored_b, offsets.y, b, first);
+            seek_visibility(&stored_c, offsets.z, c, first);
             shaded.merged_nodes -= 1u;
             node = 0u;
             continue;
         }
-        let part = first_fine(point, whole, mirrored, lobes);
+        let part = first_fine(point, whole, is_wide, lobes);
         add_light(&shaded, point, part, visibility, mirror);
         node = next_node(part.node, root);
     }
@@ -262,22 +263,20 @@ fn next_node(node: u32, root: u32) -> u32 {
     return select(left + 1u, 0u, left <= root);
 }
 
-// Mirror direction of the eye, in world space.
-fn mirrored_direction(point: SurfacePoint) -> vec3<f32> {
-    return point.world_from_local * vec3(-point.wo.xy, point.wo.z);
-}
-
-// A node seen from a point, with its cosines to the normal and to the mirror direction.
+// A node seen from a point.
 struct SeenNode {
     node: u32,
     cone: Cone,
-    to_normal: f32,
+    // Its direction in the local frame.
+    wi: vec3<f32>,
+    // Cosine to the mirror direction of the eye.
     to_mirrored: f32,
 }
 
-fn seen_from(point: SurfacePoint, mirrored: vec3<f32>, node: u32) -> SeenNode {
+fn seen_from(point: SurfacePoint, node: u32) -> SeenNode {
     let cone = cone_of(node, point.position);
-    return SeenNode(node, cone, dot(cone.direction, point.world_from_local[2]), dot(cone.direction, mirrored));
+    let wi = cone.direction * point.world_from_local;
+    return SeenNode(node, cone, wi, wi.z * point.wo.z - dot(wi.xy, point.wo.xy));
 }
 
 // Whether a lobe needs several directions for the node.
@@ -285,13 +284,14 @@ fn shows_in_lobe(seen: SeenNode, lobes: vec3<f32>) -> bool {
     return is_too_wide(lobes, seen.to_mirrored, seen.cone.radius, brightness[seen.node]);
 }
 
-// The node, or its first descendant that is fine enough for the BRDF.
-fn first_fine(point: SurfacePoint, whole: SeenNode, mirrored: vec3<f32>, lobes: vec3<f32>) -> SeenNode {
+// The node, or its first descendant that is fine enough for the BRDF. `is_wide` tells that the node shows in a lobe.
+fn first_fine(point: SurfacePoint, whole: SeenNode, is_wide: bool, lobes: vec3<f32>) -> SeenNode {
     let leaves = 1u << tree_height();
     var part = whole;
-    while part.node < leaves
-        && (is_too_wide_for_a_cosine(part.to_normal, part.cone.radius) || shows_in_lobe(part, lobes)) {
-        part = seen_from(point, mirrored, 2u * part.node);
+    var is_part_wide = is_wide;
+    while part.node < leaves && (is_part_wide || is_too_wide_for_a_cosine(part.wi.z, part.cone.radius)) {
+        part = seen_from(point, 2u * part.node);
+        is_part_wide = shows_in_lobe(part, lobes);
     }
     return part;
 }
@@ -302,7 +302,7 @@ fn add_light(shaded: ptr<function, Shaded>, point: SurfacePoint, seen: SeenNode,
     if MIRRORS == MIRRORS_READ_MAP && !(visibility > 0.0) && !reaches_window(mirror, seen.to_mirrored, seen.cone.radius) {
         return;
     }
-    let wi = seen.cone.direction * point.world_from_local;
+    let wi = seen.wi;
     var light = received_light(point, seen.cone.direction, wi, select(0.0, seen.cone.inv_kappa, REFINE));
     var window = 0.0;
     let radiance = radiance_along(seen.node, seen.cone.direction);
@@ -367,10 +367,10 @@ fn mirror_at(point: SurfacePoint) -> Mirror {
 }
 
 // Whether a node without visible light reaches into the window of a mirror.
-fn shows_in_window(point: SurfacePoint, mirror: Mirror, mirrored: vec3<f32>, node: u32) -> bool {
+fn shows_in_window(point: SurfacePoint, mirror: Mirror, node: u32) -> bool {
     if MIRRORS != MIRRORS_READ_MAP || !(mirror.share > 0.0) {
         return false;
     }
-    let seen = seen_from(point, mirrored, node);
+    let seen = seen_from(point, node);
     return reaches_window(mirror, seen.to_mirrored, seen.cone.radius);
 }

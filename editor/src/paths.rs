@@ -32,6 +32,11 @@ impl Folders {
         self.cache.join("bakes")
     }
 
+    /// Compiled pipelines of graphics adapters.
+    pub fn pipelines(&self) -> PathBuf {
+        self.cache.join("pipelines")
+    }
+
     /// Below `LAPIDARY_HOME` if set, else in the system's places.
     ///
     /// # Errors

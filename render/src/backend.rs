@@ -167,6 +167,15 @@ pub trait Backend: Send {
         self.begin(view, sampling)
     }
 
+    /// Whether the first sample of the picture that was begun waits for no compiler. Programs that it lacks are being compiled on other
+    /// threads; without this call the sample waits for them.
+    ///
+    /// # Errors
+    /// A program that does not compile.
+    fn is_ready(&mut self) -> Result<bool, BackendError> {
+        Ok(true)
+    }
+
     /// Adds one jittered sample (an index into [`View::pixel_offsets`]) to some rows, and returns when done. Render all rows of a
     /// sample before the next sample. Pixels that already have the sample stay unchanged.
     ///

@@ -4,6 +4,7 @@
 mod adapter;
 mod bindings;
 mod buffers;
+mod cache;
 mod compute;
 mod fans;
 mod implicit;
@@ -25,6 +26,7 @@ pub(crate) use adapter::{GpuDevice, is_emulated};
 pub use adapter::{Room, has_hardware};
 pub(crate) use bindings::{Binding, Bound, GroupLayout, Shaders, bind_groups, bound, module_of};
 pub(crate) use buffers::{storage, uniform};
+pub(crate) use cache::PipelineCache;
 pub use compute::{AdapterFacts, Compute, SharedDevice};
 pub(crate) use fans::GpuFans;
 pub use implicit::{ForestTimes, GpuForest, GpuImplicit, SeenLight};

@@ -59,6 +59,16 @@ impl BackendError {
             Self::Driver(reason) => format!("the graphics driver failed ({reason}); update it, or {cpu}"),
         }
     }
+
+    /// Says that the CPU renders in place of an adapter, and why; `None` for an error that the CPU would have, too.
+    pub fn cpu_instead(&self, adapter: &str, wording: Wording) -> Option<String> {
+        let why = match self {
+            Self::Pose(_) => return None,
+            Self::DeviceLost { reason } => format!("its device was lost ({reason}); update its driver"),
+            other => other.text(wording),
+        };
+        Some(format!("the CPU renders in place of \"{adapter}\": {why}"))
+    }
 }
 
 impl fmt::Display for BackendError {
@@ -68,3 +78,27 @@ impl fmt::Display for BackendError {
 }
 
 impl Error for BackendError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cpu_stands_in_for_what_adapters_cannot_do_and_says_whose_place_it_takes() {
+        let lost = BackendError::DeviceLost { reason: "unplugged".into() };
+        let text = lost.cpu_instead("a card", Remedy::words).unwrap();
+        assert!(text.contains("\"a card\"") && text.contains("unplugged") && !text.contains("starts again"), "{text}");
+        let limit = BackendError::Limit {
+            what: "the cuts",
+            needed: 2,
+            limit: 1,
+            unit: "bytes",
+            adapter: "a card".into(),
+            remedy: Remedy::SmallerCuts,
+        };
+        let text = limit.cpu_instead("a card", Remedy::words).unwrap();
+        assert!(text.contains("need 2 bytes") && text.contains("allows 1"), "{text}");
+        let pose = BackendError::Pose(MeshError::Empty);
+        assert_eq!(pose.cpu_instead("a card", Remedy::words), None, "negative control");
+    }
+}

@@ -242,6 +242,14 @@ impl<B: Backend + ?Sized> LitScene<B> {
         Ok(())
     }
 
+    /// Whether the picture waits for no compiler; see [`Backend::is_ready`].
+    ///
+    /// # Errors
+    /// A program that does not compile.
+    pub fn is_ready(&mut self) -> Result<bool, BackendError> {
+        self.backend.is_ready()
+    }
+
     /// Adds one sample per pixel to some rows; see [`Backend::render_rows`].
     ///
     /// # Errors

@@ -9,7 +9,7 @@ mod pose;
 mod shot;
 mod view;
 
-pub use backend::{BackendOption, DeviceArgs, MeasuredPath, PathMemory, shader_source};
+pub use backend::{AdapterMemory, BackendOption, DeviceArgs, MeasuredPath, PathMemory, shader_source};
 pub use light::{LocalLightArgs, warn_of_buried};
 pub use outside::OutsideArgs;
 pub use picture::PictureArgs;

@@ -15,7 +15,7 @@ use anyhow::{Result, bail};
 use eframe::{NativeOptions, egui_wgpu::WgpuConfiguration};
 use egui::{ViewportBuilder, vec2};
 use lapidary_studies::{
-    args::{DeviceArgs, PathMemory},
+    args::{AdapterMemory, DeviceArgs, PathMemory},
     bundled::DataFolder,
     jobs::Wake,
 };
@@ -126,9 +126,9 @@ fn app(ctx: &egui::Context, launch: &Launch, bundled: Bundled, folders: Folders,
     };
     let device = launch.device;
     let memory = PathMemory::new(Mutex::new(Preferences::load(&folders.config).0.gpu_path));
-    let remembered = memory.clone();
+    let known = AdapterMemory { path: memory.clone(), pipelines: Some(folders.pipelines()) };
     // Called on the thread that renders, and again when a device is lost.
-    let factory = Arc::new(move || device.open_with(&remembered));
+    let factory = Arc::new(move || device.open_with(&known));
     let mut state = EditorState::new(Setup { folders, bundled, factory, memory, wake, system_dialogs: true });
     match &launch.file {
         Some(file) => state.open(Target::File(file.clone())),

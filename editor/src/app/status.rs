@@ -28,10 +28,11 @@ pub fn show(ui: &mut Ui, state: &mut EditorState) {
 
 fn message(ui: &mut Ui, state: &EditorState) {
     let opening = state.opening.as_ref().map(|o| format!("Opening {}...", o.what));
+    let shaders = || state.picture.render.compiles().then(|| "Compiling shaders...".to_owned());
     let remark = || state.work.messages.last_remark().map(str::to_owned);
     let held = || state.ladder.is_climbing().then(|| "The full picture waits while cut sizes are tried".to_owned());
     let work = || state.exporting.line().or_else(|| state.baking.line()).or_else(held);
-    let text = match opening.or_else(work).or_else(remark) {
+    let text = match opening.or_else(shaders).or_else(work).or_else(remark) {
         Some(line) => RichText::new(line),
         None => match state.work.messages.last() {
             Some(entry) if entry.severity != Severity::Note => {

@@ -139,6 +139,10 @@ impl Outbox {
     fn event(&self, event: RenderEvent) {
         // Fails only if the window is gone.
         let _ = self.events.send(event);
+        self.wake();
+    }
+
+    fn wake(&self) {
         (self.wake)();
     }
 }
@@ -152,6 +156,7 @@ pub struct RenderThread {
     held: Arc<AtomicBool>,
     is_preview: Arc<AtomicBool>,
     works: Arc<AtomicBool>,
+    compiles: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -165,9 +170,15 @@ impl RenderThread {
         let held = Arc::new(AtomicBool::new(false));
         let works = Arc::new(AtomicBool::new(false));
         let is_preview = Arc::new(AtomicBool::new(false));
-        let shared = worker::Shared { held: held.clone(), is_preview: is_preview.clone(), works: works.clone() };
+        let compiles = Arc::new(AtomicBool::new(false));
+        let shared = worker::Shared {
+            held: held.clone(),
+            is_preview: is_preview.clone(),
+            works: works.clone(),
+            compiles: compiles.clone(),
+        };
         let thread = spawn("render", move || worker::Worker::new(factory, inbox, outbox, shared).run());
-        Self { messages: Some(messages), frame, events, held, is_preview, works, thread: Some(thread) }
+        Self { messages: Some(messages), frame, events, held, is_preview, works, compiles, thread: Some(thread) }
     }
 
     /// Leaves the cores to other work: only the first coarse picture is made meanwhile, and the full one continues afterwards.
@@ -183,6 +194,11 @@ impl RenderThread {
     /// Whether it is rendering, not waiting.
     pub fn works(&self) -> bool {
         self.works.load(SeqCst)
+    }
+
+    /// Whether the next picture has waited for shaders for a while.
+    pub fn compiles(&self) -> bool {
+        self.compiles.load(SeqCst)
     }
 
     /// Requests a picture; free if nothing has changed since the last request.

@@ -20,6 +20,7 @@ use edges::Edges;
 use lapidary_core::{bounds::Bounds, ray::Intersector, scene::Mesh, shot::Shot};
 use pilot::Pilot;
 pub use pilot::{Stored, trace_seconds};
+use rayon::prelude::*;
 use scale::EdgeScale;
 use split::split_edges;
 use std::sync::atomic::AtomicU64;
@@ -37,7 +38,7 @@ const ROUNDS: usize = 16;
 const SHARE_PER_ROUND: f32 = 0.3;
 
 /// Approximate number of pilot points per vertex.
-pub const POINTS_PER_VERTEX: u64 = 4;
+pub const POINTS_PER_VERTEX: u64 = 2;
 
 /// The purpose of the vertices.
 #[derive(Clone, Copy)]
@@ -106,26 +107,22 @@ fn wanted_edges(
     scale: &EdgeScale,
 ) -> Result<Vec<u32>, BakeError> {
     let of_triangles = scale.of_triangles(mesh)?;
-    let lengths: Vec<f32> = edges
-        .triangles
-        .iter()
-        .zip(&edges.length_sq)
-        .map(|(around, sq)| sq.sqrt() * around.iter().map(|&t| of_triangles[t as usize]).fold(0.0, f32::max))
-        .collect();
+    let length = |e: u32| {
+        let scale = edges.triangles(e).iter().map(|&t| of_triangles[t as usize]).fold(0.0, f32::max);
+        edges.length_sq[e as usize].sqrt() * scale
+    };
+    let lengths: Vec<f32> = (0..edges.ends.len() as u32).into_par_iter().map(length).collect();
     let length = |e: u32| lengths[e as usize];
     let (long, candidates): (Vec<u32>, Vec<u32>) =
         (0..edges.ends.len() as u32).filter(|&e| length(e) > SHORTEST).partition(|&e| length(e) > LONGEST);
     // Long edges come first, by length. Then come edges with visible errors, by affected area.
     let mut ranked: Vec<(f32, u32)> = long.into_iter().map(|e| (1e3 + length(e), e)).collect();
     if let Some(pilot) = pilot {
-        pilot.learn_errors(mesh, sides, edges, &candidates)?;
-        let urgency = |e: u32| {
-            let error = pilot.errors[&edges.key(mesh, e)];
-            if error > TOLERANCE { error * length(e).powi(2) } else { 0.0 }
-        };
-        ranked.extend(candidates.iter().map(|&e| (urgency(e), e)).filter(|r| r.0 > 0.0));
+        let errors = pilot.errors(mesh, sides, edges, &candidates)?;
+        let visible = candidates.par_iter().zip(errors).filter(|(_, error)| *error > TOLERANCE);
+        ranked.par_extend(visible.map(|(&e, error)| (error * length(e).powi(2), e)));
     }
-    ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    ranked.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     Ok(ranked.into_iter().map(|r| r.1).collect())
 }
 

@@ -1,9 +1,11 @@
 //! Adapter, device and their limits. This is the one place that states the needs of the renderer: WebGPU's default
-//! limits and no optional feature. Where the adapter has more room, it is used.
+//! limits and no optional feature. Where the adapter has more room, it is used, and where it hands out compiled pipelines, these are kept.
 
+use super::cache::PipelineCache;
 use crate::{error::BackendError, remedy::Remedy};
 use std::{
     collections::HashMap,
+    path::Path,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
     thread::ThreadId,
 };
@@ -15,6 +17,8 @@ pub struct GpuDevice {
     pub queue: wgpu::Queue,
     pub limits: wgpu::Limits,
     pub info: wgpu::AdapterInfo,
+    /// On disk.
+    pub pipelines: Option<PipelineCache>,
     troubles: Arc<Mutex<Troubles>>,
 }
 
@@ -43,15 +47,29 @@ impl GpuDevice {
     /// # Errors
     /// No adapter, or a driver that refuses.
     pub fn new(room: Room) -> Result<Self, BackendError> {
+        Self::with_cache(room, None)
+    }
+
+    /// The same, with compiled pipelines from a folder.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_cache(room: Room, folder: Option<&Path>) -> Result<Self, BackendError> {
         let adapter = fastest_adapter().map_err(|e| BackendError::NoAdapter { reason: e.to_string() })?;
         let limits = wanted_limits(&adapter.limits(), room);
-        let descriptor =
-            wgpu::DeviceDescriptor { label: Some("lapidary"), required_limits: limits.clone(), ..Default::default() };
+        let features = folder.map_or(wgpu::Features::empty(), |_| adapter.features() & PipelineCache::FEATURES);
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("lapidary"),
+            required_features: features,
+            required_limits: limits.clone(),
+            ..Default::default()
+        };
         let (device, queue) =
             pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| BackendError::Driver(e.to_string()))?;
-        let troubles = Arc::default();
+        let (troubles, info) = (Arc::default(), adapter.get_info());
         report_troubles(&device, &troubles);
-        Ok(Self { device, queue, limits, info: adapter.get_info(), troubles })
+        let pipelines = folder.and_then(|folder| PipelineCache::open(&device, &info, folder));
+        Ok(Self { device, queue, limits, info, pipelines, troubles })
     }
 
     /// Waits for all submitted work.

@@ -11,6 +11,7 @@ use serde::Serialize;
 use std::{
     collections::HashMap,
     fmt,
+    path::Path,
     sync::{Arc, Mutex, PoisonError},
 };
 
@@ -91,7 +92,15 @@ impl SharedDevice {
     /// # Errors
     /// No adapter, or a driver that refuses.
     pub fn new(room: Room) -> Result<Self, BackendError> {
-        Ok(Self { gpu: GpuDevice::new(room)?.into(), kernels: Arc::default() })
+        Self::with_cache(room, None)
+    }
+
+    /// The same, with compiled pipelines from a folder.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_cache(room: Room, folder: Option<&Path>) -> Result<Self, BackendError> {
+        Ok(Self { gpu: GpuDevice::with_cache(room, folder)?.into(), kernels: Arc::default() })
     }
 
     /// Whether its adapter computes on the processor: the CPU renderer is faster then.

@@ -54,7 +54,7 @@ impl Kernel {
             module: &module_of(gpu, program.name, &shaders.text(program)?),
             entry_point: None,
             compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
-            cache: None,
+            cache: gpu.pipeline_cache(),
         });
         gpu.check()?;
         Ok(Self { pipeline, slice, running: Mutex::new(Running { first, pace: Pace::default() }) })

@@ -137,7 +137,7 @@ pub(super) fn pipeline(
         module: &module_of(gpu, program.name, &Shaders::default().text(program)?),
         entry_point: None,
         compilation_options: Default::default(),
-        cache: None,
+        cache: gpu.pipeline_cache(),
     });
     gpu.check()?;
     Ok(pipeline)

@@ -55,7 +55,7 @@ impl GpuBackend {
     /// # Errors
     /// A shader that cannot be read, or does not compile.
     pub fn set_path(&mut self, path: GpuPath) -> Result<(), BackendError> {
-        self.pipelines.compile(self.pipelines.shaders.clone(), path)?;
+        self.pipelines.reload(path)?;
         self.shown.local_lights.forget_shadows();
         self.progress.forget();
         Ok(())
@@ -66,11 +66,11 @@ impl GpuBackend {
         &self.pipelines.device
     }
 
-    /// Compiles the passes anew if materials have other models, parts or maps than they are compiled for, or the first lets light
+    /// Takes other passes if materials have other models, parts or maps than they are compiled for, or the first lets light
     /// through. Where others do so than before, shadows are rendered anew.
     fn compile_for(&mut self, appearance: &Appearance, is_new_scene: bool) -> Result<(), BackendError> {
         let Self { pipelines, shown, .. } = self;
-        let Shaders { source, models: compiled, has_veils: had_veils } = &pipelines.shaders;
+        let Shaders { models: compiled, has_veils: had_veils, .. } = &pipelines.shaders;
         let (models, opacities, mut has_veils) = (ModelSet::of(appearance), appearance.opacities(), *had_veils);
         let lets_through_otherwise = opacities != shown.opacities;
         if lets_through_otherwise {
@@ -80,7 +80,7 @@ impl GpuBackend {
         let models = if is_new_scene { models } else { models.joined(compiled) };
         let fits = compiled.covers(&models) && models.covers(compiled);
         if !fits || has_veils != *had_veils {
-            pipelines.compile(Shaders { models, has_veils, source: source.clone() }, pipelines.path)?;
+            pipelines.specialize(models, has_veils)?;
             shown.local_lights.forget_shadows();
         }
         if lets_through_otherwise {

@@ -6,11 +6,12 @@ use super::{
         PARAMETERS, PREDICT, SECOND_RAYS, SHADOW, SKETCH, SUNS, SURFACE, VISIBILITY, WAVELET,
     },
     lit::LitKernels,
-    pipeline::{GpuPath, Pass, Text},
+    pipeline::{GpuPath, Pass, Text, compile_soon},
 };
 use crate::{
     device::{GpuDevice, Shaders},
     error::BackendError,
+    shade::mirrors::DEEPEST,
     stale::LightPart,
 };
 use std::{cell::RefCell, collections::HashMap, sync::Arc, time::Duration};
@@ -60,7 +61,7 @@ pub struct Passes {
     pub history: Pass,
     pub predict: Pass,
     pub display: Pass,
-    pub lit: LitKernels,
+    pub lit: Arc<LitKernels>,
     merge: Arc<Text>,
     merges: HashMap<MergeVariant, Pass>,
     /// All but the merge.
@@ -68,17 +69,18 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// The passes from `shaders`; those that have a kernel run so on that path.
+    /// The passes from `shaders`; those that have a kernel run so on that path. Those of `before` that are the same are taken from there.
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders, path: GpuPath) -> Result<Self, BackendError> {
+    pub fn new(gpu: &GpuDevice, shaders: &Shaders, path: GpuPath, before: Option<&Self>) -> Result<Self, BackendError> {
         let text = |entry: &'static Entry| Text::new(gpu, shaders, path, entry);
         let all = RefCell::new(Vec::new());
         let variant = |text: &Arc<Text>, values: &[f64]| {
             let pass = text.variant(values);
-            all.borrow_mut().push(pass.clone());
-            pass
+            let known = before.and_then(|before| before.all.iter().find(|known| known.is_same(&pass)).cloned());
+            all.borrow_mut().push(known.clone().unwrap_or_else(|| pass.clone()));
+            known.unwrap_or(pass)
         };
         let pass = |entry, values: &[f64]| Ok::<_, BackendError>(variant(&text(entry)?, values));
         let has_veils = [f64::from(shaders.has_veils)];
@@ -102,33 +104,47 @@ impl Passes {
             history: pass(&HISTORY, &[])?,
             predict: pass(&PREDICT, &[])?,
             display: pass(&DISPLAY, &[])?,
-            lit: LitKernels::new(gpu, shaders)?,
+            lit: before.map_or_else(|| LitKernels::new(gpu, shaders).map(Arc::new), |before| Ok(before.lit.clone()))?,
             merge: text(&MERGE)?,
             merges: HashMap::new(),
             all: all.into_inner(),
         })
     }
 
-    /// Compiles all of them now, and the merge in `variants`.
+    /// All of them, and the merge in its variants.
+    pub fn all(&self) -> impl Iterator<Item = &Pass> {
+        self.all.iter().chain(self.merges.values())
+    }
+
+    /// Compiles all of them now.
     ///
     /// # Errors
     /// A shader that does not compile, with the compiler's message.
-    pub fn compile(&mut self, gpu: &GpuDevice, variants: &[MergeVariant]) -> Result<(), BackendError> {
-        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let merges: Vec<Pass> = variants.iter().map(|&variant| self.merge(variant)).collect();
-        for pass in self.all.iter().chain(&merges) {
-            pass.pipeline();
-        }
-        match pollster::block_on(scope.pop()) {
-            None => Ok(()),
-            Some(error) => Err(BackendError::Driver(error.to_string())),
-        }
+    pub fn compile(&self) -> Result<(), BackendError> {
+        compile_soon(self.all().cloned());
+        check(self.all())
+    }
+
+    /// Those that a sample of a picture takes, by those of its light and of the light in its mirrors, and its display.
+    pub fn of_picture(&self, light: [&[PartPass]; 1 + DEEPEST as usize]) -> Vec<Pass> {
+        let Self { visibility, surface, parameters, marks, display, .. } = self;
+        let [sharp, second] = &self.mirror_rays;
+        let of_mirrors = [second, sharp, &self.mirrored_surface, &self.second_rays, &self.mirrors];
+        let has_mirrors = !light[1].is_empty();
+        let of_light = light.into_iter().flatten().flat_map(PartPass::passes);
+        let seen = [visibility, surface, parameters, marks].into_iter();
+        let all = of_light.chain(seen).chain(of_mirrors.into_iter().filter(|_| has_mirrors)).chain([display]);
+        all.cloned().collect()
+    }
+
+    /// What is made of a sketch, and of a picture for the next.
+    pub fn of_sketches(&self) -> impl Iterator<Item = &Pass> {
+        self.sketch.iter().chain([&self.keep, &self.history, &self.predict])
     }
 
     /// What those that are compiled took for it, by their labels.
     pub fn compile_times(&self) -> Vec<(&'static str, Duration)> {
-        let passes = self.all.iter().chain(self.merges.values());
-        passes.filter_map(|pass| Some((pass.label, pass.compile_time()?))).collect()
+        self.all().filter_map(|pass| Some((pass.label, pass.compile_time()?))).collect()
     }
 
     /// The variants of the merge that are in use.
@@ -143,6 +159,15 @@ impl Passes {
     }
 }
 
+/// Waits for the compiler.
+///
+/// # Errors
+/// What it says against a pass.
+pub fn check<'a>(passes: impl Iterator<Item = &'a Pass>) -> Result<(), BackendError> {
+    let message = |pass: &Pass| Some(format!("{} does not compile: {}", pass.label, pass.error()?));
+    passes.filter_map(message).map(BackendError::Driver).next().map_or(Ok(()), Err)
+}
+
 /// A pass of a picture that adds samples to the sums of a part of the light.
 #[derive(Clone)]
 pub struct PartPass {
@@ -152,4 +177,11 @@ pub struct PartPass {
     pub light: wgpu::BindGroup,
     /// The pass of the rays to suns before it, and what that reads in place of the light.
     pub suns: Option<(Pass, wgpu::BindGroup)>,
+}
+
+impl PartPass {
+    /// All that it takes.
+    pub fn passes(&self) -> impl Iterator<Item = &Pass> {
+        self.suns.iter().map(|(rays, _)| rays).chain([&self.pass])
+    }
 }

@@ -2,12 +2,16 @@
 
 use super::{entries::Entry, targets::format};
 use crate::{
-    device::{GpuDevice, Shaders, module_of, output::Output},
+    device::{GpuDevice, PipelineCache, Shaders, module_of, output::Output},
     error::BackendError,
 };
 use serde::{Deserialize, Serialize};
 use std::{
-    sync::{Arc, OnceLock},
+    sync::{
+        Arc, Mutex, OnceLock, PoisonError,
+        atomic::{AtomicBool, Ordering::SeqCst},
+    },
+    thread,
     time::{Duration, Instant},
 };
 
@@ -31,7 +35,7 @@ pub struct Text {
     module: OnceLock<wgpu::ShaderModule>,
 }
 
-/// One variant of a pass, which is compiled at its first use: most pictures use few of the passes.
+/// One variant of a pass. It is compiled at its first use, or before by [`compile_soon`]: most pictures use few of the passes.
 #[derive(Clone)]
 pub struct Pass {
     pub label: &'static str,
@@ -42,8 +46,20 @@ struct Variant {
     text: Arc<Text>,
     /// Of the constants of its entry.
     values: Vec<f64>,
-    /// With the time that it took to compile.
-    pipeline: OnceLock<(Pipeline, Duration)>,
+    built: OnceLock<Built>,
+    /// Whether another thread compiles it, or will.
+    is_queued: AtomicBool,
+    /// Whether that thread is done with it, be it by a panic.
+    was_tried: AtomicBool,
+}
+
+/// What became of a variant.
+struct Built {
+    pipeline: Pipeline,
+    /// What it took to compile.
+    time: Duration,
+    /// What the compiler said against it.
+    error: Option<String>,
 }
 
 /// How a pass runs.
@@ -72,7 +88,13 @@ impl Text {
     pub fn variant(self: &Arc<Self>, values: &[f64]) -> Pass {
         let label = self.entry.program.name;
         debug_assert_eq!(self.entry.constants.len(), values.len(), "{label}");
-        let variant = Variant { text: self.clone(), values: values.to_vec(), pipeline: OnceLock::new() };
+        let variant = Variant {
+            text: self.clone(),
+            values: values.to_vec(),
+            built: OnceLock::new(),
+            is_queued: AtomicBool::new(false),
+            was_tried: AtomicBool::new(false),
+        };
         Pass { label, variant: variant.into() }
     }
 
@@ -82,28 +104,96 @@ impl Text {
 }
 
 impl Pass {
-    /// Its pipeline; the device tells of a shader that does not compile.
+    /// Its pipeline, after it is compiled.
     pub fn pipeline(&self) -> &Pipeline {
-        let (pipeline, _) = self.variant.pipeline.get_or_init(|| {
-            let start = Instant::now();
-            (self.variant.build(), start.elapsed())
-        });
-        pipeline
+        &self.built().pipeline
+    }
+
+    /// What the compiler says against it.
+    pub fn error(&self) -> Option<&str> {
+        self.built().error.as_deref()
+    }
+
+    /// Whether [`Self::pipeline`] does not wait for a compiler; false for one that [`compile_soon`] was not told of.
+    pub fn is_compiled(&self) -> bool {
+        self.variant.built.get().is_some() || self.variant.was_tried.load(SeqCst)
     }
 
     /// What it took to compile, if it is.
     pub fn compile_time(&self) -> Option<Duration> {
-        self.variant.pipeline.get().map(|(_, time)| *time)
+        self.variant.built.get().map(|built| built.time)
+    }
+
+    /// Whether it is the same variant of the same text.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let (one, other) = (&self.variant, &other.variant);
+        (one.text.path, &one.values, &one.text.text) == (other.text.path, &other.values, &other.text.text)
     }
 
     /// The device that it is compiled on.
     pub fn gpu(&self) -> &GpuDevice {
         &self.variant.text.gpu
     }
+
+    fn built(&self) -> &Built {
+        self.variant.built.get_or_init(|| self.variant.build())
+    }
+
+    /// Whether nobody compiles it yet; somebody does from now on.
+    fn take(&self) -> bool {
+        !self.is_compiled() && !self.variant.is_queued.swap(true, SeqCst)
+    }
+}
+
+/// Compiles passes on other threads, as many at once as there are cores, the first ones first.
+pub fn compile_soon(passes: impl IntoIterator<Item = Pass>) {
+    let missing: Vec<Pass> = passes.into_iter().filter(Pass::take).collect();
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(missing.len());
+    let queue = Arc::new(Mutex::new(missing.into_iter()));
+    let spawns = || {
+        let queue = queue.clone();
+        thread::Builder::new().name("compile".into()).spawn(move || {
+            let mut cache = None;
+            while let Some(pass) = next(&queue) {
+                let _done = Tried(&pass.variant.was_tried);
+                pass.built();
+                cache = pass.gpu().pipelines.clone();
+            }
+            cache.iter().for_each(PipelineCache::save);
+        })
+    };
+    if (0..threads).filter(|_| spawns().is_ok()).count() == 0 {
+        // Without a thread they are compiled at their first use.
+        while let Some(pass) = next(&queue) {
+            drop(Tried(&pass.variant.was_tried));
+        }
+    }
+}
+
+fn next(queue: &Mutex<std::vec::IntoIter<Pass>>) -> Option<Pass> {
+    queue.lock().unwrap_or_else(PoisonError::into_inner).next()
+}
+
+/// Notes the end of a trial, also that of a panic: the next use then panics again, where somebody hears of it.
+struct Tried<'a>(&'a AtomicBool);
+
+impl Drop for Tried<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, SeqCst);
+    }
 }
 
 impl Variant {
-    fn build(&self) -> Pipeline {
+    fn build(&self) -> Built {
+        let (start, device) = (Instant::now(), &self.text.gpu.device);
+        let kinds = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory];
+        let scopes = kinds.map(|kind| device.push_error_scope(kind));
+        let pipeline = self.pipeline();
+        let errors: Vec<_> = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
+        Built { pipeline, time: start.elapsed(), error: errors.first().map(ToString::to_string) }
+    }
+
+    fn pipeline(&self) -> Pipeline {
         let Text { entry, path, .. } = &*self.text;
         let constants: Vec<_> = entry.constants.iter().copied().zip(self.values.iter().copied()).collect();
         let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
@@ -131,7 +221,7 @@ impl Variant {
             module,
             entry_point: Some("compute"),
             compilation_options,
-            cache: None,
+            cache: gpu.pipeline_cache(),
         });
         Pipeline::Kernel(pipeline, output)
     }
@@ -161,7 +251,7 @@ impl Variant {
                 targets: &entry.formats().into_iter().map(target).collect::<Vec<_>>(),
             }),
             multiview_mask: None,
-            cache: None,
+            cache: gpu.pipeline_cache(),
         })
     }
 }

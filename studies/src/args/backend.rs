@@ -7,7 +7,10 @@ use lapidary_render::{
     gpu::{GpuBackend, GpuPath, Room, ShaderSource, SharedDevice, faster_path},
 };
 use serde::{Deserialize, Serialize};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 /// Where and how pictures are rendered.
 #[derive(Args, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,6 +59,15 @@ pub struct MeasuredPath {
 /// What was measured last, if anything was.
 pub type PathMemory = Arc<Mutex<Option<MeasuredPath>>>;
 
+/// What is known of adapters from earlier.
+#[derive(Clone, Debug, Default)]
+pub struct AdapterMemory {
+    /// The path is measured only if this lacks it.
+    pub path: PathMemory,
+    /// The folder of compiled pipelines; none are kept without it.
+    pub pipelines: Option<PathBuf>,
+}
+
 /// Environment variable with a folder of shaders that replaces the program's own, for shader work: they reload on change.
 const SHADERS: &str = "LAPIDARY_SHADERS";
 
@@ -70,11 +82,11 @@ impl DeviceArgs {
     /// # Errors
     /// No adapter, or a refusing driver, if an adapter is required.
     pub fn gpu(self) -> Result<Option<GpuBackend>, BackendError> {
-        self.gpu_with(&PathMemory::default())
+        self.gpu_with(&AdapterMemory::default())
     }
 
-    /// The same; measures the path only if `memory` lacks it.
-    fn gpu_with(self, memory: &PathMemory) -> Result<Option<GpuBackend>, BackendError> {
+    /// The same with what is known of adapters.
+    fn gpu_with(self, memory: &AdapterMemory) -> Result<Option<GpuBackend>, BackendError> {
         if self.backend == BackendOption::Cpu {
             return Ok(None);
         }
@@ -89,15 +101,15 @@ impl DeviceArgs {
     }
 
     /// An emulated adapter would only use the same cores more slowly: only who asks for it has it.
-    fn on_adapter(self, memory: &PathMemory) -> Result<Option<GpuBackend>, BackendError> {
-        let device = SharedDevice::new(Room::All)?;
+    fn on_adapter(self, memory: &AdapterMemory) -> Result<Option<GpuBackend>, BackendError> {
+        let device = SharedDevice::with_cache(Room::All, memory.pipelines.as_deref())?;
         if self.backend == BackendOption::Auto && device.is_emulated() {
             return Ok(None);
         }
         let path = match self.gpu_path {
             PathOption::Fragment => GpuPath::Fragment,
             PathOption::Compute => GpuPath::Compute,
-            PathOption::Auto => remembered(&device, memory)?,
+            PathOption::Auto => remembered(&device, &memory.path)?,
         };
         GpuBackend::new(device, &shader_source(), path).map(Some)
     }
@@ -107,14 +119,14 @@ impl DeviceArgs {
     /// # Errors
     /// As [`Self::gpu`].
     pub fn open(self) -> Result<Box<dyn Backend>, BackendError> {
-        self.open_with(&PathMemory::default())
+        self.open_with(&AdapterMemory::default())
     }
 
-    /// The renderer; measures the path only if `memory` lacks it.
+    /// The renderer with what is known of adapters.
     ///
     /// # Errors
     /// As [`Self::gpu`].
-    pub fn open_with(self, memory: &PathMemory) -> Result<Box<dyn Backend>, BackendError> {
+    pub fn open_with(self, memory: &AdapterMemory) -> Result<Box<dyn Backend>, BackendError> {
         Ok(match self.gpu_with(memory)? {
             Some(gpu) => Box::new(gpu),
             None => Box::new(CpuBackend::new()),

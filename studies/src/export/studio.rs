@@ -1,9 +1,13 @@
 //! Renders finished pictures of one scene for files, look by look.
 
-use crate::{missing_light, sheet::DisplayPicture, terminal::Interrupted};
+use crate::{
+    missing_light,
+    sheet::DisplayPicture,
+    terminal::{Interrupted, remedy_option},
+};
 use anyhow::{Result, bail};
 use lapidary_core::image::Image;
-use lapidary_render::{Backend, Baked, LitScene, Look, RenderStats, SurfaceLayers};
+use lapidary_render::{Backend, BackendError, Baked, CPU, CpuBackend, LitScene, Look, RenderStats, SurfaceLayers};
 
 /// A lit scene for pictures, with the remarks about them.
 pub struct Studio {
@@ -28,12 +32,18 @@ pub struct Taken {
 }
 
 impl Studio {
-    /// Gives the scene to the renderer; takes some tenths of a second, or more with surface sources.
+    /// Gives the scene to the renderer; takes some tenths of a second, or more with surface sources. Where an adapter has no room for
+    /// it, the CPU has.
     ///
     /// # Errors
-    /// A dataset larger than the adapter's limits.
+    /// A dataset that the CPU refuses.
     pub fn new(backend: Box<dyn Backend>, baked: Baked) -> Result<Self> {
-        Ok(Self { scene: LitScene::new(backend, baked)?, told: Vec::new(), handed_out: 0 })
+        let adapter = backend.name();
+        let (scene, remark) = match LitScene::new(backend, baked.clone()) {
+            Ok(scene) => (scene, None),
+            Err(error) => on_cpu(&adapter, error, baked)?,
+        };
+        Ok(Self { scene, told: remark.into_iter().collect(), handed_out: 0 })
     }
 
     /// The scene.
@@ -41,12 +51,20 @@ impl Studio {
         self.scene.baked()
     }
 
-    /// Renders a picture.
+    /// Renders a picture. Where an adapter fails, the CPU goes on.
     ///
     /// # Errors
-    /// A lost device, a picture beyond the adapter's limits, or [`Interrupted`] soon after `cancelled` returns true.
+    /// What the CPU cannot do either, or [`Interrupted`] soon after `cancelled` returns true.
     pub fn take(&mut self, look: &Look, cancelled: &dyn Fn() -> bool) -> Result<Taken> {
-        let picture = self.scene.show(look, &mut || !cancelled())?;
+        let mut picture = self.scene.show(look, &mut || !cancelled());
+        if let Err(error) = picture {
+            let adapter = self.scene.backend().name();
+            let (scene, remark) = on_cpu(&adapter, error, self.scene.baked().clone())?;
+            self.scene = scene;
+            self.told.extend(remark);
+            picture = self.scene.show(look, &mut || !cancelled());
+        }
+        let picture = picture?;
         self.tell();
         let Some(picture) = picture else { bail!(Interrupted) };
         let shown = DisplayPicture { size: look.view.size, pixels: self.scene.display(&look.post)? };
@@ -74,4 +92,17 @@ impl Studio {
             }
         }
     }
+}
+
+/// The scene on the CPU after an error of an adapter, with a remark that says so.
+///
+/// # Errors
+/// An error that the CPU would have, too.
+fn on_cpu(adapter: &str, error: BackendError, baked: Baked) -> Result<(LitScene, Option<String>), BackendError> {
+    let remark = Some(adapter).filter(|name| *name != CPU).and_then(|name| error.cpu_instead(name, remedy_option));
+    if remark.is_none() {
+        return Err(error);
+    }
+    let cpu: Box<dyn Backend> = Box::new(CpuBackend::new());
+    Ok((LitScene::new(cpu, baked)?, remark))
 }

@@ -5,6 +5,12 @@ use std::time::{Duration, Instant};
 /// Time without changes before the full picture begins.
 const SETTLE: Duration = Duration::from_millis(120);
 
+/// Time between looks whether shaders are compiled.
+const COMPILER_WAIT: Duration = Duration::from_millis(4);
+
+/// Time after which the window says that they are not.
+const COMPILER_SILENCE: Duration = Duration::from_millis(300);
+
 /// Stage of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureStage {
@@ -12,6 +18,11 @@ pub enum PictureStage {
     Rest,
     /// The next picture is about to begin.
     Begin,
+    /// It has begun, and its shaders are being compiled on other threads. The last picture stays.
+    Compile {
+        /// Since when.
+        since: Instant,
+    },
     /// Its first sample is being computed.
     Sketch,
     /// A reduced picture is shown; the full one follows if nothing changes for a while.
@@ -33,9 +44,15 @@ impl PictureStage {
     pub fn patience(self, now: Instant) -> Option<Duration> {
         match self {
             Self::Rest => None,
+            Self::Compile { .. } => Some(COMPILER_WAIT),
             Self::Settle { since } => Some((since + SETTLE).saturating_duration_since(now)),
             Self::Begin | Self::Sketch | Self::Full { .. } => Some(Duration::ZERO),
         }
+    }
+
+    /// Whether shaders have been compiled for so long that the window says so.
+    pub fn compiles_long(self, now: Instant) -> bool {
+        matches!(self, Self::Compile { since } if now.saturating_duration_since(since) >= COMPILER_SILENCE)
     }
 
     /// Whether the full picture may begin.
@@ -76,6 +93,15 @@ mod tests {
         assert!(stage.settled(since + SETTLE) && !stage.settled(since + SETTLE / 2));
         assert!(!PictureStage::Begin.settled(since));
         assert_eq!(PictureStage::Rest.patience(since), None);
+    }
+
+    #[test]
+    fn a_compiler_is_looked_at_often_and_told_of_after_a_while() {
+        let since = Instant::now();
+        let stage = PictureStage::Compile { since };
+        assert_eq!(stage.patience(since), Some(COMPILER_WAIT));
+        assert!(!stage.compiles_long(since) && stage.compiles_long(since + COMPILER_SILENCE));
+        assert!(!PictureStage::Sketch.compiles_long(since + COMPILER_SILENCE));
     }
 
     #[test]

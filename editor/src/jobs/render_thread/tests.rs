@@ -9,7 +9,7 @@ use glam::Vec3;
 use lapidary_core::{lights::Light, material::Material, scene::pose::Pose, test_scenes};
 use lapidary_render::{
     Appearance, Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, Illumination, LitScene, Post,
-    STRIDES, Solution, Tiles, View, share_of_lattice, test_looks::plain_look,
+    Remedy, STRIDES, Solution, Tiles, View, share_of_lattice, test_looks::plain_look,
 };
 use lapidary_studies::jobs::testing::{silent, wait_for};
 use std::ops::Range;

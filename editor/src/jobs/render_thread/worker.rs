@@ -11,7 +11,9 @@ use super::{
 use crate::jobs::budget::Pace;
 use glam::Vec2;
 use lapidary_core::{camera::Camera, scene::pose::Poses};
-use lapidary_render::{BackendError, BackendFactory, Baked, LitScene, Look, PictureStats, Redo, View};
+use lapidary_render::{
+    Backend, BackendError, BackendFactory, Baked, CPU, CpuBackend, LitScene, Look, PictureStats, Redo, View,
+};
 use lapidary_studies::jobs::panic_text;
 use std::{
     ops::Range,
@@ -73,6 +75,21 @@ pub struct Shared {
     pub is_preview: Arc<AtomicBool>,
     /// Whether the thread has work that waits for nothing.
     pub works: Arc<AtomicBool>,
+    /// Whether the next picture has waited for shaders for a while.
+    pub compiles: Arc<AtomicBool>,
+}
+
+/// The graphics adapter, as far as pictures have come from it.
+#[derive(Debug, PartialEq, Eq)]
+enum Adapter {
+    /// There was no picture yet.
+    Unknown,
+    /// The renderer is on this one, or there is none.
+    Used(Option<String>),
+    /// It had no room for the scene with this hash: the CPU has that.
+    Refused(String),
+    /// It failed: the CPU has all.
+    GivenUp,
 }
 
 /// The state of the thread.
@@ -81,6 +98,7 @@ pub struct Worker {
     outbox: Outbox,
     shared: Shared,
     factory: BackendFactory,
+    adapter: Adapter,
     /// The scene on its renderer, once there is one.
     scene: Option<LitScene>,
     /// Revisions of the environment's light from renderers given up since.
@@ -121,6 +139,7 @@ impl Worker {
             outbox,
             shared,
             factory,
+            adapter: Adapter::Unknown,
             scene: None,
             lights_before: 0,
             wanted: None,
@@ -166,6 +185,7 @@ impl Worker {
         }
         let patience = self.patience();
         self.shared.works.store(patience == Some(Duration::ZERO), SeqCst);
+        self.tell_compiles();
         let first = match patience {
             None => self.inbox.recv().map_err(RecvTimeoutError::from),
             Some(patience) => self.inbox.recv_timeout(patience),
@@ -218,7 +238,7 @@ impl Worker {
         let has_shown = match self.stage {
             PictureStage::Full { .. } | PictureStage::Settle { .. } => true,
             PictureStage::Sketch => self.shown_apart.is_some(),
-            PictureStage::Rest | PictureStage::Begin => false,
+            PictureStage::Rest | PictureStage::Begin | PictureStage::Compile { .. } => false,
         };
         let is_preview = self.shared.is_preview.load(SeqCst) && self.reads.is_empty();
         let is_enough = matches!(self.stage, PictureStage::Full { .. }) && is_preview;
@@ -227,6 +247,10 @@ impl Worker {
 
     /// Rebuilds the renderer's shaders; the previous ones stay if that fails.
     fn reload(&mut self) {
+        if self.adapter == Adapter::GivenUp {
+            self.reset();
+            self.adapter = Adapter::Unknown;
+        }
         // A renderer created later reads them then.
         let reloaded = self.scene.as_mut().map_or(Ok(()), |scene| scene.backend().reload());
         self.begun = None;
@@ -278,6 +302,7 @@ impl Worker {
                 self.begin(&request, request.look.view.size)
             }
             PictureStage::Settle { .. } => Ok(()),
+            PictureStage::Compile { since } => self.wait_for_shaders(since),
             PictureStage::Sketch => self.sketch(&request),
             PictureStage::Full { sample, row } => self.band(&request, sample, row),
         }
@@ -366,6 +391,10 @@ impl Worker {
 
     /// Updates scene, materials and light of the renderer where they have changed.
     fn light(&mut self, baked: &Baked, look: &Look) -> Result<(), BackendError> {
+        if matches!(&self.adapter, Adapter::Refused(hash) if *hash != baked.dataset.scene_hash) {
+            self.reset();
+            self.adapter = Adapter::Unknown;
+        }
         let scene = match &mut self.scene {
             Some(scene) => {
                 let is_rebaked = scene.baked().dataset.scene_hash == baked.dataset.scene_hash;
@@ -376,11 +405,25 @@ impl Worker {
                 }
                 scene
             }
-            None => self.scene.insert(LitScene::new((self.factory)()?, baked.clone())?.keep_unseen_changes()),
+            None => {
+                let renderer = self.renderer()?;
+                self.scene.insert(LitScene::new(renderer, baked.clone())?.keep_unseen_changes())
+            }
         };
         scene.light_soon(look)?;
         scene.remarks().into_iter().for_each(|remark| self.outbox.event(RenderEvent::Remark(remark)));
         Ok(())
+    }
+
+    /// A new renderer, on the CPU where the adapter will not do.
+    fn renderer(&mut self) -> Result<Box<dyn Backend>, BackendError> {
+        if matches!(self.adapter, Adapter::Refused(_) | Adapter::GivenUp) {
+            return Ok(Box::new(CpuBackend::new()));
+        }
+        let renderer = (self.factory)()?;
+        let name = renderer.name();
+        self.adapter = Adapter::Used((name != CPU).then_some(name));
+        Ok(renderer)
     }
 
     /// Gives up the renderer; the next picture makes another.
@@ -412,7 +455,13 @@ impl Worker {
         scene.resume(&view, request.look.sampling)?;
         let sketching = Sketching::new(size, request.pointer.unwrap_or(Vec2::splat(0.5)));
         self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0, sketching, holes: 0 });
-        self.stage = PictureStage::Sketch;
+        self.wait_for_shaders(Instant::now())
+    }
+
+    /// Goes on with the picture once its shaders are compiled.
+    fn wait_for_shaders(&mut self, since: Instant) -> Result<(), BackendError> {
+        let Some(scene) = &mut self.scene else { return Ok(()) };
+        self.stage = if scene.is_ready()? { PictureStage::Sketch } else { PictureStage::Compile { since } };
         Ok(())
     }
 

@@ -2,19 +2,22 @@
 
 use crate::vertices::sidedness::weld_positions;
 use lapidary_core::scene::Mesh;
+use rayon::prelude::*;
 use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 
 /// Undirected edges by welded position.
 pub(super) struct Edges {
-    /// The two welded ends of each edge, the smaller first.
+    /// The two welded ends of each edge, the smaller first. They stay the same when other edges are split.
     pub ends: Vec<(u32, u32)>,
     pub length_sq: Vec<f32>,
     /// For each triangle the edges opposite to its corners.
     pub of_triangle: Vec<[u32; 3]>,
-    /// Triangles of each edge.
-    pub triangles: Vec<Vec<u32>>,
     /// Number of vertices added by splitting each edge: one, or at a seam one per pair of end vertices.
-    pub copies: Vec<usize>,
+    pub copies: Vec<u32>,
+    /// Triangles of all edges, edge by edge.
+    triangles: Vec<u32>,
+    /// Where those of each edge begin, and the end of all.
+    starts: Vec<u32>,
 }
 
 impl Edges {
@@ -22,34 +25,43 @@ impl Edges {
         let weld = weld_positions(mesh);
         let room = mesh.triangles.len() * 3 / 2;
         let mut ids: FxHashMap<(u32, u32), u32> = FxHashMap::with_capacity_and_hasher(room, FxBuildHasher);
-        let (mut ends, mut length_sq, mut triangles) = (Vec::new(), Vec::new(), Vec::<Vec<u32>>::new());
-        let (mut copies, mut pairs) = (Vec::new(), FxHashSet::with_capacity_and_hasher(room, FxBuildHasher));
+        let (mut ends, mut counts) = (Vec::with_capacity(room), Vec::with_capacity(room));
         let mut of_triangle = Vec::with_capacity(mesh.triangles.len());
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            of_triangle.push(std::array::from_fn(|i| {
-                let (a, b) = (weld[corners[(i + 1) % 3] as usize], weld[corners[(i + 2) % 3] as usize]);
-                let key = (a.min(b), a.max(b));
+        for corners in &mesh.triangles {
+            of_triangle.push(opposite_ends(corners.map(|v| weld[v as usize])).map(|key| {
                 let id = *ids.entry(key).or_insert_with(|| {
                     ends.push(key);
-                    length_sq.push(mesh.positions[a as usize].distance_squared(mesh.positions[b as usize]));
-                    triangles.push(Vec::new());
-                    copies.push(0);
+                    counts.push(0);
                     ends.len() as u32 - 1
                 });
-                triangles[id as usize].push(t as u32);
-                let (u, v) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
-                copies[id as usize] += usize::from(pairs.insert((u.min(v), u.max(v))));
+                counts[id as usize] += 1;
                 id
             }));
         }
-        Self { ends, length_sq, of_triangle, triangles, copies }
+        let (starts, triangles) = by_edge(&of_triangle, &counts);
+        let at = |v: u32| mesh.positions[v as usize];
+        let length_sq = ends.par_iter().map(|&(a, b)| at(a).distance_squared(at(b))).collect();
+        let mut edges = Self { ends, length_sq, of_triangle, copies: Vec::new(), triangles, starts };
+        edges.copies = (0..edges.ends.len() as u32).into_par_iter().map(|edge| edges.copies_of(mesh, edge)).collect();
+        edges
     }
 
-    pub fn key(&self, mesh: &Mesh, edge: u32) -> EdgeKey {
-        let (a, b) = self.ends[edge as usize];
-        let mut key = [a, b].map(|v| mesh.positions[v as usize].to_array().map(f32::to_bits));
-        key.sort_unstable();
-        key
+    /// Triangles of an edge.
+    pub fn triangles(&self, edge: u32) -> &[u32] {
+        &self.triangles[self.starts[edge as usize] as usize..self.starts[edge as usize + 1] as usize]
+    }
+
+    /// Number of pairs of vertices at its ends.
+    fn copies_of(&self, mesh: &Mesh, edge: u32) -> u32 {
+        let pair = |&t: &u32| {
+            let [u, v] = end_vertices_in(mesh, self, edge, t);
+            (u.min(v), u.max(v))
+        };
+        match self.triangles(edge) {
+            [_] => 1,
+            [one, other] => 1 + u32::from(pair(one) != pair(other)),
+            many => many.iter().map(pair).collect::<FxHashSet<_>>().len() as u32,
+        }
     }
 
     /// The longest edge of a triangle; ties are broken by index, consistently on both sides of an edge.
@@ -69,7 +81,7 @@ impl Edges {
         for &edge in wanted {
             let mut added = Vec::new();
             self.close(edge, &chosen, &mut added);
-            let vertices: usize = added.iter().map(|&e| self.copies[e as usize]).sum();
+            let vertices: usize = added.iter().map(|&e| self.copies[e as usize] as usize).sum();
             if vertices > left {
                 break;
             }
@@ -87,17 +99,46 @@ impl Edges {
                 continue;
             }
             added.push(edge);
-            stack.extend(self.triangles[edge as usize].iter().map(|&t| self.longest(t)));
+            stack.extend(self.triangles(edge).iter().map(|&t| self.longest(t)));
         }
     }
 }
 
+/// The ends of the edges opposite to the corners of a triangle, the smaller first.
+fn opposite_ends(corners: [u32; 3]) -> [(u32, u32); 3] {
+    std::array::from_fn(|i| {
+        let (a, b) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
+        (a.min(b), a.max(b))
+    })
+}
+
+/// Triangles edge by edge, after where those of each edge begin, from their numbers.
+fn by_edge(of_triangle: &[[u32; 3]], counts: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0];
+    starts.extend(counts.iter().scan(0, |end, count| {
+        *end += count;
+        Some(*end)
+    }));
+    let mut next = starts.clone();
+    let mut triangles = vec![0; 3 * of_triangle.len()];
+    for (t, edges) in (0..).zip(of_triangle) {
+        for &edge in edges {
+            triangles[next[edge as usize] as usize] = t;
+            next[edge as usize] += 1;
+        }
+    }
+    (starts, triangles)
+}
+
 /// The mesh vertices at the ends of an edge, in its first triangle.
 pub(super) fn end_vertices(mesh: &Mesh, edges: &Edges, edge: u32) -> [u32; 2] {
-    let triangle = edges.triangles[edge as usize][0] as usize;
+    let first = edges.triangles(edge)[0];
+    end_vertices_in(mesh, edges, edge, first)
+}
+
+/// The same, in one of its triangles.
+fn end_vertices_in(mesh: &Mesh, edges: &Edges, edge: u32, triangle: u32) -> [u32; 2] {
+    let triangle = triangle as usize;
     let corner = edges.of_triangle[triangle].iter().position(|&e| e == edge).unwrap_or(0);
     [mesh.triangles[triangle][(corner + 1) % 3], mesh.triangles[triangle][(corner + 2) % 3]]
 }
-
-/// The bits of both ends' positions, which, unlike edge numbers, stay the same when other edges are split.
-pub(super) type EdgeKey = [[u32; 3]; 2];

@@ -1,6 +1,6 @@
 //! Error of linear interpolation of visibility at the middle of an edge.
 
-use super::edges::{EdgeKey, Edges, end_vertices};
+use super::edges::{Edges, end_vertices};
 use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
@@ -25,6 +25,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Directions of the pilot visibility; the error of an edge is known to about 1 / √128. Pictures of drafts have the same errors
 /// with 256, which take half as long again.
 const DIRECTIONS: usize = 128;
+
+/// Every how many of these directions is traced from midpoints: what their ends do not tell is known to about 1 / √32.
+const OF_MIDDLES: usize = 4;
 
 /// Functions that vertices store, which must be linear along edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,10 +59,12 @@ pub(super) struct Pilot<'a> {
     stored: Stored,
     /// Distance in meters at which nearness is a half.
     half_distance: f32,
-    /// Errors at edge midpoints, kept between rounds: most edges are not split.
-    pub errors: FxHashMap<EdgeKey, f32>,
-    /// Samples of vertices. A midpoint that becomes a vertex in its first round is not retraced.
-    samples: FxHashMap<PointKey, PilotSample>,
+    /// Errors at the midpoints of edges by their welded ends, kept between rounds: most edges are not split.
+    errors: FxHashMap<(u32, u32), f32>,
+    /// Samples of vertices.
+    samples: Vec<PilotSample>,
+    /// Where the sample of a point is.
+    places: FxHashMap<PointKey, u32>,
     /// Checked for cancellation before each point, because a round traces millions of rays, and informed of the traced points.
     observer: &'a dyn Observer,
     traced: &'a AtomicU64,
@@ -97,29 +102,39 @@ impl<'a> Pilot<'a> {
         (observer, traced): (&'a dyn Observer, &'a AtomicU64),
     ) -> Self {
         let toward = fibonacci_directions(DIRECTIONS);
-        let (errors, samples) = (FxHashMap::default(), FxHashMap::default());
-        Self { scene, toward, stored, half_distance: HALF_DISTANCE * unit, errors, samples, observer, traced }
+        Self {
+            scene,
+            toward,
+            stored,
+            half_distance: HALF_DISTANCE * unit,
+            errors: FxHashMap::default(),
+            samples: Vec::new(),
+            places: FxHashMap::default(),
+            observer,
+            traced,
+        }
     }
 
-    /// Samples of the points in order. Neighbors are traced together, because their rays in one direction are close.
-    fn seen_from(&self, points: &[BakePoint]) -> Result<Vec<PilotSample>, BakeError> {
+    /// Samples of the points in order, in every `step`th direction. Neighbors are traced together, because their rays in one direction are close.
+    fn seen_from(&self, points: &[BakePoint], step: usize) -> Result<Vec<PilotSample>, BakeError> {
         let order = z_order(points);
         let eights = order.par_chunks(8).map(|members| {
             cancelled(self.observer)?;
             let eight: Vec<&BakePoint> = members.iter().map(|&i| &points[i as usize]).collect();
-            let seen = members.iter().copied().zip(self.seen_from_eight(&eight)).collect::<Vec<_>>();
-            let traced = members.len() as u64;
+            let seen = members.iter().copied().zip(self.seen_from_eight(&eight, step)).collect::<Vec<_>>();
+            let traced = members.len().div_ceil(step) as u64;
             self.observer.event(Event::Advanced { done: self.traced.fetch_add(traced, Ordering::Relaxed) + traced });
             Ok(seen)
         });
-        let mut samples: Vec<(u32, PilotSample)> = eights.collect::<Result<Vec<_>, BakeError>>()?.concat();
-        samples.sort_unstable_by_key(|(index, _)| *index);
+        let eights = eights.collect::<Result<Vec<_>, BakeError>>()?;
+        let mut samples: Vec<(u32, PilotSample)> = eights.into_iter().flatten().collect();
+        samples.par_sort_unstable_by_key(|(index, _)| *index);
         Ok(samples.into_iter().map(|(_, sample)| sample).collect())
     }
 
-    /// Samples of one to eight points.
-    fn seen_from_eight(&self, points: &[&BakePoint]) -> Vec<PilotSample> {
-        let rays: Vec<EightRays> = self.toward.iter().map(|&d| rays_in_direction(points, d)).collect();
+    /// Samples of one to eight points, in every `step`th direction.
+    fn seen_from_eight(&self, points: &[&BakePoint], step: usize) -> Vec<PilotSample> {
+        let rays: Vec<EightRays> = self.toward.iter().step_by(step).map(|&d| rays_in_direction(points, d)).collect();
         let nearness = self.stored.bounces.then(|| Box::new([0; DIRECTIONS]));
         let mut seen = vec![PilotSample { open: [0; DIRECTIONS / 64], nearness }; points.len()];
         if self.stored.bounces {
@@ -128,67 +143,75 @@ impl<'a> Pilot<'a> {
                 for (lane, sample) in seen.iter_mut().enumerate().filter(|(lane, _)| rays.active() >> lane & 1 == 1) {
                     let distance = distances[lane];
                     if open[i] >> lane & 1 == 1 && self.stored.environment {
-                        sample.see_open(i);
+                        sample.see_open(step * i);
                     }
                     // Zero at an infinite distance.
                     let nearness = (255.0 / (1.0 + distance / self.half_distance)) as u8;
-                    sample.nearness.iter_mut().for_each(|of| of[i] = nearness);
+                    sample.nearness.iter_mut().for_each(|of| of[step * i] = nearness);
                 }
             }
         } else {
             for (i, open) in self.scene.mostly_open(&rays).into_iter().enumerate() {
                 let lanes = seen.iter_mut().enumerate().filter(|(lane, _)| open >> lane & 1 == 1);
-                lanes.for_each(|(_, sample)| sample.see_open(i));
+                lanes.for_each(|(_, sample)| sample.see_open(step * i));
             }
         }
         seen
     }
 
-    /// Traces unknown points and forgets unneeded ones.
-    fn learn_points(&mut self, points: &[BakePoint], needed: &[u32]) -> Result<(), BakeError> {
-        let mut known = std::mem::take(&mut self.samples);
-        for key in points.iter().map(key_of) {
-            if let Some(sample) = known.remove(&key) {
-                self.samples.insert(key, sample);
-            }
-        }
-        let unknown = needed.iter().map(|&p| points[p as usize]);
-        let unknown: Vec<BakePoint> = unknown.filter(|point| !self.samples.contains_key(&key_of(point))).collect();
-        let seen = self.seen_from(&unknown)?;
-        self.samples.extend(unknown.iter().map(key_of).zip(seen));
+    /// Traces some points, which are known from then on.
+    fn learn(&mut self, points: Vec<BakePoint>) -> Result<(), BakeError> {
+        let (first, samples) = (self.samples.len() as u32, self.seen_from(&points, 1)?);
+        self.samples.extend(samples);
+        self.places.extend(points.iter().map(key_of).zip(first..));
         Ok(())
     }
 
-    /// Traces the ends and midpoints of edges with unknown error.
-    pub fn learn_errors(
+    /// Errors of linear interpolation at the midpoints of edges. Traces what it does not know.
+    pub fn errors(
         &mut self,
         mesh: &Mesh,
         sides: &Sidedness,
         edges: &Edges,
         candidates: &[u32],
-    ) -> Result<(), BakeError> {
+    ) -> Result<Vec<f32>, BakeError> {
+        let known = |&e: &u32| self.errors.get(&edges.ends[e as usize]).copied();
+        let mut errors: Vec<Option<f32>> = candidates.par_iter().map(known).collect();
         let unknown: Vec<u32> =
-            candidates.iter().copied().filter(|&e| !self.errors.contains_key(&edges.key(mesh, e))).collect();
+            candidates.iter().zip(&errors).filter(|(_, error)| error.is_none()).map(|(&e, _)| e).collect();
+        let found = self.learn_errors(mesh, sides, edges, &unknown)?;
+        self.errors.extend(unknown.iter().map(|&e| edges.ends[e as usize]).zip(found.iter().copied()));
+        errors.iter_mut().filter(|error| error.is_none()).zip(found).for_each(|(error, found)| *error = Some(found));
+        Ok(errors.into_iter().flatten().collect())
+    }
+
+    /// Traces the ends of edges, and in part their midpoints.
+    fn learn_errors(
+        &mut self,
+        mesh: &Mesh,
+        sides: &Sidedness,
+        edges: &Edges,
+        unknown: &[u32],
+    ) -> Result<Vec<f32>, BakeError> {
         let points = BakePoints::new(mesh, sides);
-        let ends = |e: u32| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]);
-        let mut needed: Vec<u32> = unknown.iter().flat_map(|&e| ends(e)).collect();
-        needed.sort_unstable();
+        let ends_of = |&e: &u32| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]);
+        let ends: Vec<[u32; 2]> = unknown.par_iter().map(ends_of).collect();
+        let mut needed: Vec<u32> = ends.iter().copied().flatten().collect();
+        needed.par_sort_unstable();
         needed.dedup();
-        self.learn_points(&points.points, &needed)?;
-        let middle = |&e: &u32| {
-            let [a, b] = ends(e).map(|p| &points.points[p as usize]);
+        let needed = needed.par_iter().map(|&p| points.points[p as usize]);
+        self.learn(needed.filter(|point| !self.places.contains_key(&key_of(point))).collect())?;
+        let middle = |ends: &[u32; 2]| {
+            let [a, b] = ends.map(|p| &points.points[p as usize]);
             midpoint(a, b)
         };
-        let middles: Vec<BakePoint> = unknown.par_iter().map(middle).collect();
-        let of_middles = self.seen_from(&middles)?;
-        let error = |(&e, middle): (&u32, &PilotSample)| {
-            let [a, b] = ends(e).map(|p| &self.samples[&key_of(&points.points[p as usize])]);
-            (edges.key(mesh, e), midpoint_error(middle, a, b))
+        let middles = self.seen_from(&ends.par_iter().map(middle).collect::<Vec<_>>(), OF_MIDDLES)?;
+        let sample_of = |p: u32| &self.samples[self.places[&key_of(&points.points[p as usize])] as usize];
+        let error = |(ends, middle): (&[u32; 2], &PilotSample)| {
+            let [a, b] = ends.map(sample_of);
+            midpoint_error(middle, a, b)
         };
-        let found: Vec<(EdgeKey, f32)> = unknown.par_iter().zip(&of_middles).map(error).collect();
-        self.errors.extend(found);
-        self.samples.extend(middles.iter().map(key_of).zip(of_middles));
-        Ok(())
+        Ok(ends.par_iter().zip(&middles).map(error).collect())
     }
 }
 
@@ -205,7 +228,7 @@ pub fn trace_seconds(
     let traced = AtomicU64::new(0);
     let pilot = Pilot::new(scene, stored, 1.0, (observer, &traced));
     let start = CoreClock::begin();
-    pilot.seen_from(points)?;
+    pilot.seen_from(points, 1)?;
     Ok(start.secs())
 }
 
@@ -235,14 +258,17 @@ fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
 }
 
 /// Mean over directions of the difference between the midpoint and the mean of the ends, for visibility or nearness, whichever is
-/// larger.
+/// larger. The midpoint is known in every [`OF_MIDDLES`]th direction.
 fn midpoint_error(middle: &PilotSample, a: &PilotSample, b: &PilotSample) -> f32 {
+    let traced = (0..64).step_by(OF_MIDDLES).fold(0_u64, |traced, bit| traced | 1 << bit);
     let words = (0..middle.open.len()).map(|i| (middle.open[i], a.open[i], b.open[i]));
     // Where the ends differ, the midpoint is wrong by one half either way.
-    let halves = words.map(|(m, a, b)| (a ^ b).count_ones() + 2 * (!(a ^ b) & (a ^ m)).count_ones());
+    let halves = words
+        .map(|(m, a, b)| (a ^ b).count_ones() + 2 * OF_MIDDLES as u32 * (!(a ^ b) & (a ^ m) & traced).count_ones());
     let open = halves.sum::<u32>() as f32 / (2 * DIRECTIONS) as f32;
     let [Some(middle), Some(a), Some(b)] = [middle, a, b].map(|sample| sample.nearness.as_ref()) else { return open };
     let twice = |i: usize| (2 * u32::from(middle[i])).abs_diff(u32::from(a[i]) + u32::from(b[i]));
-    let nearness = (0..DIRECTIONS).map(twice).sum::<u32>() as f32 / (2 * 255 * DIRECTIONS) as f32;
+    let traced = (0..DIRECTIONS).step_by(OF_MIDDLES);
+    let nearness = traced.map(twice).sum::<u32>() as f32 / (2 * 255 * DIRECTIONS / OF_MIDDLES) as f32;
     open.max(nearness)
 }

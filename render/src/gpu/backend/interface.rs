@@ -13,6 +13,8 @@ use crate::{
         frame::in_mirrors,
         light::{GpuLight, scaled_map},
         materials::GpuMaterials,
+        passes::check,
+        pipeline::Pass,
         posed,
         scene::GpuScene,
     },
@@ -172,11 +174,21 @@ impl Backend for GpuBackend {
         pipelines.submit(|encoder| progress.encode_kept(pipelines, encoder, pixels, merges_added))
     }
 
+    fn is_ready(&mut self) -> Result<bool, BackendError> {
+        let Self { pipelines, progress, .. } = self;
+        let Some(picture) = &progress.picture else { return Ok(true) };
+        let needed: Vec<Pass> = picture.needed.iter().chain(pipelines.passes.of_sketches()).cloned().collect();
+        pipelines.compile_soon(&needed);
+        let is_ready = needed.iter().all(Pass::is_compiled);
+        if is_ready { check(needed.iter()).map(|()| true) } else { Ok(false) }
+    }
+
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {
         if rows.is_empty() {
             return Ok(());
         }
         if rows.start == 0 {
+            check(self.progress.picture().needed.iter())?;
             self.write_frame(sample, 1);
             self.progress.leave_sketch(sample);
         }
@@ -200,6 +212,9 @@ impl Backend for GpuBackend {
         let Self { pipelines, progress, .. } = self;
         let Picture { view, lattices, .. } = progress.picture();
         let (all, is_first) = (Tiles::of(view.size), lattices.making.is_none());
+        if is_first {
+            check(progress.picture().needed.iter())?;
+        }
         let areas: Vec<Region> = tiles.iter().map(|&tile| all.on_lattice(tile, stride)).collect();
         pipelines.submit(|encoder| {
             if is_first {

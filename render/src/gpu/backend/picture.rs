@@ -4,7 +4,7 @@ use super::{GpuBackend, groups::Groups};
 use crate::{
     device::layout,
     error::BackendError,
-    gpu::passes::PartPass,
+    gpu::{passes::PartPass, pipeline::Pass},
     post::Post,
     sampling::BrdfSampling,
     shade::mirrors::DEEPEST,
@@ -24,6 +24,8 @@ pub struct Picture {
     pub passes: Vec<PartPass>,
     /// Those that give the light of what one mirror shows, and of what a mirror in it shows; none without mirrors.
     pub mirrored: [Vec<PartPass>; DEEPEST as usize],
+    /// All that a sample takes, and its display.
+    pub needed: Vec<Pass>,
     pub lattices: Lattices,
     /// Reflectance of a ground that catches shadows for a radiance of 1 behind it, if there is one.
     pub catches: Option<Vec3>,
@@ -101,6 +103,8 @@ impl GpuBackend {
         progress.set_parts(pipelines.gpu(), shown.parts(view.mode, mirrors), shown.prepare_suns(pipelines.gpu(), view));
         let groups = Groups::new(pipelines.gpu(), &pipelines.uniforms, shown, progress);
         let (passes, mirrored) = shown.passes(pipelines, (view, sampling), (&groups, progress.targets()))?;
+        let needed = pipelines.passes.of_picture([&passes, &mirrored[0], &mirrored[1]]);
+        pipelines.compile_soon(&needed);
         // As on the CPU and in the legend, whether the environment is shown or not.
         let illum_cut = shown.environment.light.as_ref().map_or(0, |(light, _)| light.tree.max_nodes);
         Ok(Picture {
@@ -111,6 +115,7 @@ impl GpuBackend {
             groups,
             passes,
             mirrored,
+            needed,
             lattices: Lattices::default(),
             catches,
             seen: 0,

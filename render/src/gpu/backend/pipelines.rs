@@ -1,11 +1,11 @@
 //! What draws: it changes only when shaders are compiled anew.
 
 use crate::{
-    device::{GpuDevice, ShaderSource, Shaders, SharedDevice, is_emulated, layout},
+    device::{GpuDevice, ModelSet, ShaderSource, Shaders, SharedDevice, is_emulated, layout},
     error::BackendError,
     gpu::{
-        passes::{MergeVariant, Passes},
-        pipeline::GpuPath,
+        passes::Passes,
+        pipeline::{self, GpuPath, Pass},
     },
     measure::compare::map::magma_stops,
     remedy::Remedy,
@@ -40,14 +40,16 @@ pub struct Uniforms {
 }
 
 impl Pipelines {
-    /// Passes that are compiled at their first use.
+    /// Passes that are compiled when a picture needs them. Shaders of a folder are being worked on: errors in them are told at once.
     ///
     /// # Errors
     /// A shader that cannot be read, or does not compile if it is one of a folder.
     pub fn new(device: SharedDevice, source: &ShaderSource, path: GpuPath) -> Result<Self, BackendError> {
         let shaders = Shaders { source: source.clone(), ..Default::default() };
-        let is_edited = matches!(source, ShaderSource::Folder(_));
-        let passes = passes(&device.gpu, &shaders, path, is_edited.then_some(&[]))?;
+        let passes = Passes::new(&device.gpu, &shaders, path, None)?;
+        if is_edited(source) {
+            passes.compile()?;
+        }
         Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders, path })
     }
 
@@ -56,17 +58,39 @@ impl Pipelines {
         &self.device.gpu
     }
 
-    /// Takes other shaders, or another path. If that fails, the previous ones stay. What draws by itself compiles them now, so that no first lamp or
-    /// orbit waits; an adapter that is emulated has better use for the cores.
+    /// Takes the passes for other models, whose texts come from where they came from.
     ///
     /// # Errors
-    /// A shader that cannot be read, or does not compile.
-    pub fn compile(&mut self, shaders: Shaders, path: GpuPath) -> Result<(), BackendError> {
-        let (gpu, variants) = (&self.device.gpu, self.passes.variants());
-        let is_edited = matches!(shaders.source, ShaderSource::Folder(_));
-        self.passes = passes(gpu, &shaders, path, (is_edited || !is_emulated(&gpu.info)).then_some(&variants))?;
-        (self.shaders, self.path) = (shaders, path);
+    /// A shader that cannot be read, or does not compile if it is one of a folder. The previous ones stay then.
+    pub fn specialize(&mut self, models: ModelSet, has_veils: bool) -> Result<(), BackendError> {
+        let shaders = Shaders { models, has_veils, source: self.shaders.source.clone() };
+        let passes = Passes::new(self.gpu(), &shaders, self.path, Some(&self.passes))?;
+        if is_edited(&shaders.source) {
+            passes.compile()?;
+        }
+        (self.passes, self.shaders) = (passes, shaders);
         Ok(())
+    }
+
+    /// Reads the shaders again, for a path.
+    ///
+    /// # Errors
+    /// As [`Self::new`]. The previous ones stay then.
+    pub fn reload(&mut self, path: GpuPath) -> Result<(), BackendError> {
+        let mut passes = Passes::new(self.gpu(), &self.shaders, path, None)?;
+        if is_edited(&self.shaders.source) {
+            self.passes.variants().into_iter().for_each(|variant| drop(passes.merge(variant)));
+            passes.compile()?;
+        }
+        (self.passes, self.path) = (passes, path);
+        Ok(())
+    }
+
+    /// Compiles some passes on other threads, then all others, so that no first lamp or orbit waits. An emulated adapter has better use
+    /// for the cores.
+    pub fn compile_soon(&self, needed: &[Pass]) {
+        let others = self.passes.all().filter(|_| !is_emulated(&self.gpu().info));
+        pipeline::compile_soon(needed.iter().chain(others).cloned());
     }
 
     /// Does some work, and waits for it.
@@ -91,17 +115,8 @@ impl Pipelines {
     }
 }
 
-/// Passes from some shaders, compiled now with some variants of the merge, or at their first use. Shaders of a folder are being worked on:
-/// errors in them are told at once.
-fn passes(
-    gpu: &GpuDevice,
-    shaders: &Shaders,
-    path: GpuPath,
-    now: Option<&[MergeVariant]>,
-) -> Result<Passes, BackendError> {
-    let mut passes = Passes::new(gpu, shaders, path)?;
-    now.map_or(Ok(()), |variants| passes.compile(gpu, variants))?;
-    Ok(passes)
+fn is_edited(source: &ShaderSource) -> bool {
+    matches!(source, ShaderSource::Folder(_))
 }
 
 impl Uniforms {

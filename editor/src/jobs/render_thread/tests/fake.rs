@@ -22,6 +22,10 @@ pub struct Log {
     pub losses: u32,
     pub panics: u32,
     pub refuse_scenes: bool,
+    /// Whether shaders are being compiled.
+    pub compiles: bool,
+    /// What the compiler says against them.
+    pub error: Option<String>,
 }
 
 pub type Shared = Arc<Mutex<Log>>;
@@ -68,7 +72,15 @@ impl Backend for Fake {
     fn set_scene(&mut self, _: &Baked) -> Result<(), BackendError> {
         let mut log = self.log.lock().unwrap();
         log.scenes += 1;
-        if log.refuse_scenes { Err(BackendError::Driver("too large".into())) } else { Ok(()) }
+        let too_large = BackendError::Limit {
+            what: "the cuts",
+            needed: 2,
+            limit: 1,
+            unit: "bytes",
+            adapter: "fake".into(),
+            remedy: Remedy::SmallerCuts,
+        };
+        if log.refuse_scenes { Err(too_large) } else { Ok(()) }
     }
 
     fn pose(&mut self, _: &Baked) -> Result<(), BackendError> {
@@ -94,6 +106,11 @@ impl Backend for Fake {
         self.log.lock().unwrap().begun.push((view.size, view.aa));
         self.view = Some(view.clone());
         Ok(())
+    }
+
+    fn is_ready(&mut self) -> Result<bool, BackendError> {
+        let log = self.log.lock().unwrap();
+        log.error.clone().map_or(Ok(!log.compiles), |error| Err(BackendError::Driver(error)))
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {

@@ -1,9 +1,16 @@
 //! Messages to the window: pictures, requested pictures, and failures.
 
-use super::{HOLES_SHARE, LinearPicture, PictureStage, RenderEvent, RenderRequest, RenderedFrame, Restarts, Worker};
+use super::{Adapter, HOLES_SHARE, LinearPicture, PictureStage, RenderEvent, RenderRequest, RenderedFrame, Worker};
 use crate::control_names::remedy_control;
-use lapidary_render::{BackendError, Remedy};
-use std::time::Instant;
+use lapidary_render::BackendError;
+use std::{sync::atomic::Ordering::SeqCst, time::Instant};
+
+impl Adapter {
+    /// The one that renders.
+    fn name(&self) -> Option<&String> {
+        if let Self::Used(name) = self { name.as_ref() } else { None }
+    }
+}
 
 impl Worker {
     /// Publishes the present picture.
@@ -55,20 +62,33 @@ impl Worker {
         Ok(())
     }
 
-    pub(super) fn failed(&mut self, error: BackendError) {
-        let BackendError::DeviceLost { reason } = &error else { return self.give_up(error.text(remedy_control)) };
-        self.reset();
-        self.begun = None;
-        if self.restarts.allow(Instant::now()) {
-            self.outbox.event(RenderEvent::Remark(error.text(remedy_control)));
-            self.stage = PictureStage::Begin;
-        } else {
-            self.give_up(format!(
-                "the graphics device was lost more than {} times within a minute ({reason}); update its driver, or {}",
-                Restarts::MOST,
-                remedy_control(Remedy::Cpu)
-            ));
+    /// Whether the next picture has waited for shaders for so long that the window says so; it is woken when that changes.
+    pub(super) fn tell_compiles(&self) {
+        let compiles = self.stage.compiles_long(Instant::now());
+        if self.shared.compiles.swap(compiles, SeqCst) != compiles {
+            self.outbox.wake();
         }
+    }
+
+    /// Starts a lost device again, if that did not happen too often; otherwise the CPU goes on.
+    pub(super) fn failed(&mut self, error: BackendError) {
+        let is_lost = matches!(error, BackendError::DeviceLost { .. });
+        let restarts = is_lost && self.restarts.allow(Instant::now());
+        let cpu_instead = |adapter: &String| error.cpu_instead(adapter, remedy_control);
+        let remark = match self.adapter.name().and_then(cpu_instead) {
+            _ if restarts => error.text(remedy_control),
+            Some(remark) => {
+                self.adapter = match (&error, self.wanted.as_ref().and_then(|request| request.baked.as_ref())) {
+                    (BackendError::Limit { .. }, Some(baked)) => Adapter::Refused(baked.dataset.scene_hash.clone()),
+                    _ => Adapter::GivenUp,
+                };
+                remark
+            }
+            None => return self.give_up(error.text(remedy_control)),
+        };
+        self.reset();
+        (self.stage, self.begun) = (PictureStage::Begin, None);
+        self.outbox.event(RenderEvent::Remark(remark));
     }
 
     /// Reports a failure, and renders nothing until a request changes something.
