@@ -13,14 +13,13 @@ const LARGEST_SOLID_ANGLE: f32 = 6.2831855;
 const ORDERS: f32 = 30.0;
 const ORDERS_PER_CODE: f32 = 30.0 / 4094.0;
 
-// A position in a cut, in as few registers as can be: with a whole texel in each, fewer groups of threads are in flight.
+// A position in a cut, in as few registers as can be: with more in each, fewer groups of threads are in flight. Nodes lie at multiples of
+// their size, so that any leaf below one tells where it begins and ends.
 struct Cursor {
     // The current node, in the low half.
     node: u32,
     // Its index in the whole texture or array.
     position: u32,
-    // One past its last leaf.
-    end: u32,
 }
 
 fn visibility_texel(index: u32) -> vec4<u32> {
@@ -45,6 +44,16 @@ fn leaves_below(node: u32) -> u32 {
     return 1u << (tree_height() - node_depth(node));
 }
 
+// First leaf of a node that has a leaf.
+fn begin_of(node: u32, leaf: u32) -> u32 {
+    return leaf & ~(leaves_below(node) - 1u);
+}
+
+// One past its last leaf.
+fn end_of(node: u32, leaf: u32) -> u32 {
+    return (leaf | (leaves_below(node) - 1u)) + 1u;
+}
+
 fn cursor_value(cursor: Cursor) -> f32 {
     return value_of_code(cursor.node & 4095u);
 }
@@ -56,33 +65,10 @@ fn value_of_code(code: u32) -> f32 {
     return select(LARGEST_SOLID_ANGLE * exp2(f32(code - 1u) * ORDERS_PER_CODE - ORDERS), 0.0, code == 0u);
 }
 
-// At a node that begins at some leaf.
-fn cursor_at(node: u32, position: u32, begin: u32) -> Cursor {
-    return Cursor(node, position, begin + leaves_below(node));
+fn visibility_cursor(position: u32) -> Cursor {
+    return Cursor(node_in(visibility_texel(position >> 3u), position), position);
 }
 
-fn visibility_node(position: u32) -> u32 {
-    return node_in(visibility_texel(position >> 3u), position);
-}
-
-fn illumination_node(position: u32) -> u32 {
-    return node_in(illumination_texel(position >> 3u), position);
-}
-
-fn visibility_cursor(offset: u32) -> Cursor {
-    return cursor_at(visibility_node(offset << 3u), offset << 3u, 0u);
-}
-
-fn illumination_cursor() -> Cursor {
-    return cursor_at(illumination_node(0u), 0u, 0u);
-}
-
-fn advance_visibility(cursor: ptr<function, Cursor>) {
-    let position = (*cursor).position + 1u;
-    *cursor = cursor_at(visibility_node(position), position, (*cursor).end);
-}
-
-fn advance_illumination(cursor: ptr<function, Cursor>) {
-    let position = (*cursor).position + 1u;
-    *cursor = cursor_at(illumination_node(position), position, (*cursor).end);
+fn illumination_cursor(position: u32) -> Cursor {
+    return Cursor(node_in(illumination_texel(position >> 3u), position), position);
 }

@@ -23,13 +23,15 @@ fn keep(index: u32, part: Part) {}
 
 fn sum_of_light(start: u32) -> f32 {
     let leaves = 1u << tree_height();
-    var cursor = visibility_cursor(start);
+    var cursor = visibility_cursor(start << 3u);
+    var begin = 0u;
     var sum = 0.0;
     loop {
-        let part = part_at(cursor, start);
+        let part = part_at(cursor, begin, start);
         sum += part.light * part.value;
-        if cursor.end >= leaves { break; }
-        advance_visibility(&cursor);
+        begin = end_of(cursor.node, begin);
+        if begin >= leaves { break; }
+        cursor = visibility_cursor(cursor.position + 1u);
     }
     return sum;
 }

@@ -6,34 +6,22 @@
 // First lit node of the stored cut that starts at each texel.
 @group(2) @binding(5) var<storage, read> lit_offsets: array<u32>;
 
-fn lit_cursor(cut_offset: u32) -> Cursor {
-    let position = lit_offsets[cut_offset];
-    return cursor_at(lit_nodes[position], position, 0u);
+fn lit_cursor(position: u32) -> Cursor {
+    return Cursor(lit_nodes[position], position);
 }
 
-fn advance_lit(cursor: ptr<function, Cursor>) {
-    let position = (*cursor).position + 1u;
-    *cursor = cursor_at(lit_nodes[position], position, (*cursor).end);
-}
-
-// At the node that contains `leaf`: the current one or that before it.
-fn lit_around(lit: Cursor, leaf: u32) -> Cursor {
-    let begin = lit.end - leaves_below(lit.node);
-    if leaf >= begin {
-        return lit;
+// The stored cut at `cut_offset` from a leaf on, by its lit cut, whose current node is the one around the leaf or, if that ends before
+// leaf `next`, the one after it.
+fn stored_below(lit: Cursor, cut_offset: u32, leaf: u32, next: u32) -> Cursor {
+    var around = lit.node;
+    if next < (1u << tree_height()) && begin_of(lit.node, next) > leaf {
+        around = lit_nodes[lit.position - 1u];
     }
-    return Cursor(lit_nodes[lit.position - 1u], lit.position - 1u, begin);
-}
-
-// Advances a position in the stored cut at `cut_offset` to the node that contains `leaf`, which lies below the current node of `lit` or
-// that before it.
-fn seek_visibility(cursor: ptr<function, Cursor>, cut_offset: u32, lit: Cursor, leaf: u32) {
-    let around = lit_around(lit, leaf);
-    let position = (cut_offset << 3u) + (around.node >> 16u);
-    if position > (*cursor).position {
-        *cursor = cursor_at(visibility_node(position), position, around.end - leaves_below(around.node));
+    var begin = begin_of(around, leaf);
+    var stored = visibility_cursor((cut_offset << 3u) + (around >> 16u));
+    while begin + leaves_below(stored.node) <= leaf {
+        begin += leaves_below(stored.node);
+        stored = visibility_cursor(stored.position + 1u);
     }
-    while (*cursor).end <= leaf {
-        advance_visibility(cursor);
-    }
+    return stored;
 }

@@ -39,9 +39,9 @@ struct Part {
 // Parts that may still be joined; never two of one depth after an attempt.
 var<private> pending: array<Part, 17>;
 
-fn part_at(cursor: Cursor, start: u32) -> Part {
+fn part_at(cursor: Cursor, begin: u32, start: u32) -> Part {
     let size = leaves_below(cursor.node);
-    let node = ((1u << tree_height()) + cursor.end - size) / size;
+    let node = ((1u << tree_height()) + begin) / size;
     let code = cursor.node & 4095u;
     let light = luminance(nodes[node].radiance) * f32(size);
     return Part(node_depth(cursor.node), cursor.position - (start << 3u), code, value_of_code(code), light, 0.0);
@@ -50,13 +50,15 @@ fn part_at(cursor: Cursor, start: u32) -> Part {
 // Coarsens a stored cut and keeps its nodes from `first` on, as the kernel defines. Returns their number.
 fn coarsen(start: u32, whole: f32, first: u32) -> u32 {
     let leaves = 1u << tree_height();
-    var cursor = visibility_cursor(start);
+    var cursor = visibility_cursor(start << 3u);
+    var begin = 0u;
     var done = 0u;
     var waiting = 0u;
     loop {
-        pending[waiting] = part_at(cursor, start);
+        pending[waiting] = part_at(cursor, begin, start);
         waiting += 1u;
-        while are_siblings(waiting, cursor.end) {
+        let end = end_of(cursor.node, begin);
+        while are_siblings(waiting, end) {
             let both = joined(pending[waiting - 2u], pending[waiting - 1u]);
             if lit.tau <= 0.0 || !(both.moved <= lit.tau * whole) {
                 // No node to the left can still be joined.
@@ -67,8 +69,9 @@ fn coarsen(start: u32, whole: f32, first: u32) -> u32 {
             waiting -= 1u;
             pending[waiting - 1u] = both;
         }
-        if cursor.end >= leaves { break; }
-        advance_visibility(&cursor);
+        if end >= leaves { break; }
+        cursor = visibility_cursor(cursor.position + 1u);
+        begin = end;
     }
     return flushed(waiting, first, done);
 }

@@ -106,55 +106,100 @@ const MIRRORS_HAVE_RAYS: u32 = 2u;
 // Whether lit cuts replace the stored cuts and the illumination cut.
 override LIT: bool = true;
 
-fn merge_cuts(point: SurfacePoint) -> Shaded {
-    if LIT {
-        return merge_lit(point);
-    }
-    return merge_stored(point);
-}
-
 // Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips others, and
 // the outer one evaluates one node per iteration.
-fn merge_stored(point: SurfacePoint) -> Shaded {
+fn merge_cuts(point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
-    var a = visibility_cursor(cut_offset(point.vertices.x));
-    var b = visibility_cursor(cut_offset(point.vertices.y));
-    var c = visibility_cursor(cut_offset(point.vertices.z));
-    var l = illumination_cursor();
+    var a = cut_begin(point.vertices.x);
+    var b = cut_begin(point.vertices.y);
+    var c = cut_begin(point.vertices.z);
+    var l = Cursor(0u, 0u);
+    if !LIT {
+        l = illumination_cursor(0u);
+    }
+    // Below a lit node too wide for the lobe the stored cuts are merged, up to this leaf; 0 elsewhere. There the lit cuts go on.
+    var stored_end = 0u;
+    var resumed = vec3(0u);
     let w = point.weights;
     let lobes = lobes_to_follow(point);
     let mirror = mirror_at(point);
     var first = 0u;
+    // The node of the merged cut with its leaves, and the part being tested.
+    var interval = vec2(0u);
+    var is_lit = false;
     var visibility = 0.0;
-    // The node of the merged cut, and the part being tested.
     var root = 0u;
     var node = 0u;
     var shaded = no_light();
     loop {
         while node == 0u && first < leaves {
-            let end = min(min(a.end, b.end), min(c.end, l.end));
+            is_lit = LIT && stored_end == 0u;
+            let ends = vec3(end_of(a.node, first), end_of(b.node, first), end_of(c.node, first));
+            let last = select(end_of(l.node, first), select(stored_end, leaves, is_lit), LIT);
+            let end = min(min(ends.x, ends.y), min(ends.z, last));
             visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
             shaded.merged_nodes += 1u;
+            interval = vec2(first, end);
             root = (leaves + first) >> firstTrailingBit(end - first);
             if visibility > 0.0 || shows_in_window(point, mirror, root) {
                 node = root;
             }
             first = end;
-            if end < leaves {
-                if a.end == end { advance_visibility(&a); }
-                if b.end == end { advance_visibility(&b); }
-                if c.end == end { advance_visibility(&c); }
-                if l.end == end { advance_illumination(&l); }
+            if end == leaves { break; }
+            if LIT && end == stored_end {
+                a = lit_cursor(resumed.x);
+                b = lit_cursor(resumed.y);
+                c = lit_cursor(resumed.z);
+                stored_end = 0u;
+                continue;
             }
+            if ends.x == end { a = cut_cursor(a.position + 1u, is_lit); }
+            if ends.y == end { b = cut_cursor(b.position + 1u, is_lit); }
+            if ends.z == end { c = cut_cursor(c.position + 1u, is_lit); }
+            if !LIT && last == end { l = illumination_cursor(l.position + 1u); }
         }
         if node == 0u { break; }
         let whole = seen_from(point, node);
-        let part = first_fine(point, whole, shows_in_lobe(whole, lobes), lobes);
+        let is_wide = shows_in_lobe(whole, lobes);
+        if LIT && is_wide && is_lit && visibility > 0.0 && node == root {
+            first = interval.x;
+            stored_end = interval.y;
+            resumed = vec3(a.position, b.position, c.position);
+            a = stored_below(a, cut_offset(point.vertices.x), first, stored_end);
+            b = stored_below(b, cut_offset(point.vertices.y), first, stored_end);
+            c = stored_below(c, cut_offset(point.vertices.z), first, stored_end);
+            shaded.merged_nodes -= 1u;
+            node = 0u;
+            continue;
+        }
+        let part = first_fine(point, whole, is_wide, lobes);
         add_light(&shaded, point, part, visibility, mirror);
         node = next_node(part.node, root);
     }
     finish(&shaded, point, mirror);
     return shaded;
+}
+
+// The first node of a vertex's cut.
+fn cut_begin(vertex: u32) -> Cursor {
+    let offset = cut_offset(vertex);
+    if LIT {
+        return lit_cursor(lit_offsets[offset]);
+    }
+    return visibility_cursor(offset << 3u);
+}
+
+// A node of a lit or a stored cut.
+fn cut_cursor(position: u32, is_lit: bool) -> Cursor {
+    if is_lit {
+        return lit_cursor(position);
+    }
+    return visibility_cursor(position);
+}
+
+// First texel of a vertex's cut over the merged tree.
+fn cut_offset(vertex: u32) -> u32 {
+    return select(vertices[vertex].cut_offset, vertices[vertex].source_cut_offset, FIELD == FIELD_SOURCES);
 }
 
 // Widths of all lobes, widened by the slopes within the sample. Twin of `SurfacePoint::lobes`.
@@ -172,84 +217,6 @@ fn lobes_to_follow(point: SurfacePoint) -> vec3<f32> {
     let all = widened_lobes(point);
     let lobes = vec3(min(all[0].x, all[0].y), min(all[1].x, all[1].y), min(all[2].x, all[2].y));
     return select(vec3(0.0), max(lobes, vec3(NARROWEST)), vec3(REFINE) & (lobes > vec3(0.0)));
-}
-
-// The lit cuts, and the stored cuts below nodes too wide for the lobe; then halves of nodes of the tree.
-fn merge_lit(point: SurfacePoint) -> Shaded {
-    let leaves = 1u << tree_height();
-    let offsets = vec3(cut_offset(point.vertices.x), cut_offset(point.vertices.y), cut_offset(point.vertices.z));
-    var a = lit_cursor(offsets.x);
-    var b = lit_cursor(offsets.y);
-    var c = lit_cursor(offsets.z);
-    var stored_a = visibility_cursor(offsets.x);
-    var stored_b = visibility_cursor(offsets.y);
-    var stored_c = visibility_cursor(offsets.z);
-    let w = point.weights;
-    let lobes = lobes_to_follow(point);
-    let mirror = mirror_at(point);
-    var first = 0u;
-    // The stored cuts are merged up to this leaf.
-    var stored_end = 0u;
-    // The node of the merged cut, and the part being tested.
-    var interval = vec2(0u);
-    var is_lit = false;
-    var visibility = 0.0;
-    var root = 0u;
-    var node = 0u;
-    var shaded = no_light();
-    loop {
-        while node == 0u && first < leaves {
-            is_lit = first >= stored_end;
-            var end = 0u;
-            if is_lit {
-                end = min(min(a.end, b.end), c.end);
-                visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
-                if end < leaves {
-                    if a.end == end { advance_lit(&a); }
-                    if b.end == end { advance_lit(&b); }
-                    if c.end == end { advance_lit(&c); }
-                }
-            } else {
-                end = min(min(min(stored_a.end, stored_b.end), stored_c.end), stored_end);
-                visibility = w.x * cursor_value(stored_a) + w.y * cursor_value(stored_b) + w.z * cursor_value(stored_c);
-                if end < stored_end {
-                    if stored_a.end == end { advance_visibility(&stored_a); }
-                    if stored_b.end == end { advance_visibility(&stored_b); }
-                    if stored_c.end == end { advance_visibility(&stored_c); }
-                }
-            }
-            shaded.merged_nodes += 1u;
-            interval = vec2(first, end);
-            first = end;
-            root = (leaves + interval.x) >> firstTrailingBit(interval.y - interval.x);
-            if visibility > 0.0 || shows_in_window(point, mirror, root) {
-                node = root;
-            }
-        }
-        if node == 0u { break; }
-        let whole = seen_from(point, node);
-        let is_wide = shows_in_lobe(whole, lobes);
-        if is_wide && is_lit && visibility > 0.0 && node == root {
-            first = interval.x;
-            stored_end = interval.y;
-            seek_visibility(&stored_a, offsets.x, a, first);
-            seek_visibility(&stored_b, offsets.y, b, first);
-            seek_visibility(&stored_c, offsets.z, c, first);
-            shaded.merged_nodes -= 1u;
-            node = 0u;
-            continue;
-        }
-        let part = first_fine(point, whole, is_wide, lobes);
-        add_light(&shaded, point, part, visibility, mirror);
-        node = next_node(part.node, root);
-    }
-    finish(&shaded, point, mirror);
-    return shaded;
-}
-
-// First texel of a vertex's cut over the merged tree.
-fn cut_offset(vertex: u32) -> u32 {
-    return select(vertices[vertex].cut_offset, vertices[vertex].source_cut_offset, FIELD == FIELD_SOURCES);
 }
 
 // Leaves below a node.

@@ -65,7 +65,12 @@ impl BackendError {
         let why = match self {
             Self::Pose(_) => return None,
             Self::DeviceLost { reason } => format!("its device was lost ({reason}); update its driver"),
-            other => other.text(wording),
+            Self::NoAdapter { reason } | Self::Driver(reason) => {
+                format!("the graphics driver failed ({reason}); update it")
+            }
+            Self::Limit { what, needed, limit, unit, remedy, .. } => {
+                format!("{what} need {needed} {unit}, but it allows {limit}; {}", wording(*remedy))
+            }
         };
         Some(format!("the CPU renders in place of \"{adapter}\": {why}"))
     }
@@ -98,6 +103,8 @@ mod tests {
         };
         let text = limit.cpu_instead("a card", Remedy::words).unwrap();
         assert!(text.contains("need 2 bytes") && text.contains("allows 1"), "{text}");
+        let driver = BackendError::Driver("no such function".into()).cpu_instead("a card", Remedy::words).unwrap();
+        assert!(![text, driver].iter().any(|text| text.contains(Remedy::Cpu.words())), "it does so already");
         let pose = BackendError::Pose(MeshError::Empty);
         assert_eq!(pose.cpu_instead("a card", Remedy::words), None, "negative control");
     }

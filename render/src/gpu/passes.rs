@@ -83,7 +83,7 @@ impl Passes {
             known.unwrap_or(pass)
         };
         let pass = |entry, values: &[f64]| Ok::<_, BackendError>(variant(&text(entry)?, values));
-        let has_veils = [f64::from(shaders.has_veils)];
+        let (has_veils, merge) = ([f64::from(shaders.has_veils)], text(&MERGE)?);
         let [sketch, mirror_rays] = [text(&SKETCH)?, text(&MIRROR_RAYS)?];
         Ok(Self {
             visibility: pass(&VISIBILITY, &has_veils)?,
@@ -105,8 +105,10 @@ impl Passes {
             predict: pass(&PREDICT, &[])?,
             display: pass(&DISPLAY, &[])?,
             lit: before.map_or_else(|| LitKernels::new(gpu, shaders).map(Arc::new), |before| Ok(before.lit.clone()))?,
-            merge: text(&MERGE)?,
-            merges: HashMap::new(),
+            merges: before
+                .filter(|before| before.merge.is_same(&merge))
+                .map_or_else(HashMap::new, |b| b.merges.clone()),
+            merge,
             all: all.into_inner(),
         })
     }
@@ -116,11 +118,12 @@ impl Passes {
         self.all.iter().chain(self.merges.values())
     }
 
-    /// Compiles all of them now.
+    /// Compiles all of them now, and the merge in some variants.
     ///
     /// # Errors
     /// A shader that does not compile, with the compiler's message.
-    pub fn compile(&self) -> Result<(), BackendError> {
+    pub fn compile_with(&mut self, variants: Vec<MergeVariant>) -> Result<(), BackendError> {
+        variants.into_iter().for_each(|variant| drop(self.merge(variant)));
         compile_soon(self.all().cloned());
         check(self.all())
     }

@@ -7,8 +7,9 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
     sync::{
-        Arc, Mutex, OnceLock, PoisonError,
+        Arc, Mutex, OnceLock, PoisonError, Weak,
         atomic::{AtomicBool, Ordering::SeqCst},
     },
     thread,
@@ -32,7 +33,8 @@ pub struct Text {
     text: String,
     gpu: GpuDevice,
     path: GpuPath,
-    module: OnceLock<wgpu::ShaderModule>,
+    /// With what the compiler says against it.
+    module: OnceLock<(wgpu::ShaderModule, Option<String>)>,
 }
 
 /// One variant of a pass. It is compiled at its first use, or before by [`compile_soon`]: most pictures use few of the passes.
@@ -84,6 +86,11 @@ impl Text {
         Ok(Self { entry, text, gpu: gpu.clone(), path, module: OnceLock::new() }.into())
     }
 
+    /// Whether it is the same text for the same path.
+    pub fn is_same(&self, other: &Self) -> bool {
+        (self.path, &self.text) == (other.path, &other.text)
+    }
+
     /// The variant with these values of the constants of its entry.
     pub fn variant(self: &Arc<Self>, values: &[f64]) -> Pass {
         let label = self.entry.program.name;
@@ -98,8 +105,8 @@ impl Text {
         Pass { label, variant: variant.into() }
     }
 
-    fn module(&self) -> &wgpu::ShaderModule {
-        self.module.get_or_init(|| module_of(&self.gpu, self.entry.program.name, &self.text))
+    fn module(&self) -> &(wgpu::ShaderModule, Option<String>) {
+        self.module.get_or_init(|| told(&self.gpu.device, || module_of(&self.gpu, self.entry.program.name, &self.text)))
     }
 }
 
@@ -126,8 +133,7 @@ impl Pass {
 
     /// Whether it is the same variant of the same text.
     pub fn is_same(&self, other: &Self) -> bool {
-        let (one, other) = (&self.variant, &other.variant);
-        (one.text.path, &one.values, &one.text.text) == (other.text.path, &other.values, &other.text.text)
+        self.variant.values == other.variant.values && self.variant.text.is_same(&other.variant.text)
     }
 
     /// The device that it is compiled on.
@@ -136,7 +142,7 @@ impl Pass {
     }
 
     fn built(&self) -> &Built {
-        self.variant.built.get_or_init(|| self.variant.build())
+        self.variant.built()
     }
 
     /// Whether nobody compiles it yet; somebody does from now on.
@@ -145,52 +151,53 @@ impl Pass {
     }
 }
 
-/// Compiles passes on other threads, as many at once as there are cores, the first ones first.
+/// Compiles passes on other threads, as many at once as there are cores, the first ones first. Those that nobody uses any more are left
+/// out.
 pub fn compile_soon(passes: impl IntoIterator<Item = Pass>) {
-    let missing: Vec<Pass> = passes.into_iter().filter(Pass::take).collect();
+    let missing: Vec<Weak<Variant>> =
+        passes.into_iter().filter(Pass::take).map(|pass| Arc::downgrade(&pass.variant)).collect();
     let threads = thread::available_parallelism().map_or(1, usize::from).min(missing.len());
     let queue = Arc::new(Mutex::new(missing.into_iter()));
     let spawns = || {
         let queue = queue.clone();
-        thread::Builder::new().name("compile".into()).spawn(move || {
-            let mut cache = None;
-            while let Some(pass) = next(&queue) {
-                let _done = Tried(&pass.variant.was_tried);
-                pass.built();
-                cache = pass.gpu().pipelines.clone();
-            }
-            cache.iter().for_each(PipelineCache::save);
-        })
+        thread::Builder::new().name("compile".into()).spawn(move || compile_all(&queue))
     };
     if (0..threads).filter(|_| spawns().is_ok()).count() == 0 {
         // Without a thread they are compiled at their first use.
-        while let Some(pass) = next(&queue) {
-            drop(Tried(&pass.variant.was_tried));
+        while let Some(variant) = next(&queue) {
+            variant.was_tried.store(true, SeqCst);
         }
     }
 }
 
-fn next(queue: &Mutex<std::vec::IntoIter<Pass>>) -> Option<Pass> {
-    queue.lock().unwrap_or_else(PoisonError::into_inner).next()
-}
-
-/// Notes the end of a trial, also that of a panic: the next use then panics again, where somebody hears of it.
-struct Tried<'a>(&'a AtomicBool);
-
-impl Drop for Tried<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, SeqCst);
+/// Compiles what is in a queue. The last thread writes the cache.
+fn compile_all(queue: &Arc<Mutex<std::vec::IntoIter<Weak<Variant>>>>) {
+    let mut cache = None;
+    while let Some(variant) = next(queue) {
+        // The next use panics again, where somebody hears of it.
+        let _ = catch_unwind(AssertUnwindSafe(|| variant.built().time));
+        variant.was_tried.store(true, SeqCst);
+        cache = variant.text.gpu.pipelines.clone();
+    }
+    if Arc::strong_count(queue) == 1 {
+        cache.iter().for_each(PipelineCache::save);
     }
 }
 
+fn next(queue: &Mutex<std::vec::IntoIter<Weak<Variant>>>) -> Option<Arc<Variant>> {
+    queue.lock().unwrap_or_else(PoisonError::into_inner).find_map(|variant| variant.upgrade())
+}
+
 impl Variant {
+    fn built(&self) -> &Built {
+        self.built.get_or_init(|| self.build())
+    }
+
     fn build(&self) -> Built {
-        let (start, device) = (Instant::now(), &self.text.gpu.device);
-        let kinds = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory];
-        let scopes = kinds.map(|kind| device.push_error_scope(kind));
-        let pipeline = self.pipeline();
-        let errors: Vec<_> = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
-        Built { pipeline, time: start.elapsed(), error: errors.first().map(ToString::to_string) }
+        let start = Instant::now();
+        let of_module = self.text.module().1.clone();
+        let (pipeline, error) = told(&self.text.gpu.device, || self.pipeline());
+        Built { pipeline, time: start.elapsed(), error: of_module.or(error) }
     }
 
     fn pipeline(&self) -> Pipeline {
@@ -213,7 +220,7 @@ impl Variant {
     }
 
     fn kernel(&self, output: Output, compilation_options: wgpu::PipelineCompilationOptions) -> Pipeline {
-        let (Text { gpu, entry, .. }, module) = (&*self.text, self.text.module());
+        let (Text { gpu, entry, .. }, (module, _)) = (&*self.text, self.text.module());
         let groups: Vec<_> = [&output].into_iter().chain(&entry.groups[1..]).map(|group| group.on(gpu)).collect();
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry.program.name),
@@ -227,7 +234,7 @@ impl Variant {
     }
 
     fn fragments(&self, compilation_options: wgpu::PipelineCompilationOptions) -> wgpu::RenderPipeline {
-        let (Text { gpu, entry, .. }, module) = (&*self.text, self.text.module());
+        let (Text { gpu, entry, .. }, (module, _)) = (&*self.text, self.text.module());
         let groups: Vec<_> = entry.groups.iter().map(|group| group.on(gpu)).collect();
         let target = |format: wgpu::TextureFormat| {
             Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL })
@@ -254,6 +261,15 @@ impl Variant {
             cache: gpu.pipeline_cache(),
         })
     }
+}
+
+/// What is made, and what the device says against it.
+fn told<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> (T, Option<String>) {
+    let kinds = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory];
+    let scopes = kinds.map(|kind| device.push_error_scope(kind));
+    let made = make();
+    let errors: Vec<_> = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop())).collect();
+    (made, errors.first().map(ToString::to_string))
 }
 
 /// Depth grows toward the eye and is 0 at infinity: floats are finest near 0.

@@ -2,6 +2,7 @@
 
 mod bindings;
 mod bounce;
+mod compiling;
 mod direct;
 mod emission;
 mod ground;

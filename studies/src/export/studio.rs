@@ -5,7 +5,7 @@ use crate::{
     sheet::DisplayPicture,
     terminal::{Interrupted, remedy_option},
 };
-use anyhow::{Result, bail};
+use anyhow::Result;
 use lapidary_core::image::Image;
 use lapidary_render::{Backend, BackendError, Baked, CPU, CpuBackend, LitScene, Look, RenderStats, SurfaceLayers};
 
@@ -56,19 +56,23 @@ impl Studio {
     /// # Errors
     /// What the CPU cannot do either, or [`Interrupted`] soon after `cancelled` returns true.
     pub fn take(&mut self, look: &Look, cancelled: &dyn Fn() -> bool) -> Result<Taken> {
-        let mut picture = self.scene.show(look, &mut || !cancelled());
-        if let Err(error) = picture {
+        let taken = self.take_once(look, cancelled).or_else(|error| {
             let adapter = self.scene.backend().name();
             let (scene, remark) = on_cpu(&adapter, error, self.scene.baked().clone())?;
             self.scene = scene;
             self.told.extend(remark);
-            picture = self.scene.show(look, &mut || !cancelled());
-        }
-        let picture = picture?;
+            self.take_once(look, cancelled)
+        });
+        let taken = taken?;
         self.tell();
-        let Some(picture) = picture else { bail!(Interrupted) };
+        taken.ok_or_else(|| Interrupted.into())
+    }
+
+    /// On the renderer that there is; `None` soon after `cancelled` returns true.
+    fn take_once(&mut self, look: &Look, cancelled: &dyn Fn() -> bool) -> Result<Option<Taken>, BackendError> {
+        let Some(picture) = self.scene.show(look, &mut || !cancelled())? else { return Ok(None) };
         let shown = DisplayPicture { size: look.view.size, pixels: self.scene.display(&look.post)? };
-        Ok(Taken { image: picture.image, coverage: picture.coverage, shown, stats: picture.stats })
+        Ok(Some(Taken { image: picture.image, coverage: picture.coverage, shown, stats: picture.stats }))
     }
 
     /// Surface properties in a look, without light.
@@ -105,4 +109,94 @@ fn on_cpu(adapter: &str, error: BackendError, baked: Baked) -> Result<(LitScene,
     }
     let cpu: Box<dyn Backend> = Box::new(CpuBackend::new());
     Ok((LitScene::new(cpu, baked)?, remark))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::test_scenes::dataset;
+    use lapidary_render::{
+        Appearance, BrdfSampling, Illumination, LocalLighting, PictureStats, Post, SceneLighting, View,
+        test_looks::plain_look,
+    };
+    use std::{ops::Range, sync::Arc};
+
+    /// An adapter that has room for scenes, and is lost when it renders; or that has no room.
+    struct Failing {
+        has_room: bool,
+    }
+
+    impl Backend for Failing {
+        fn name(&self) -> String {
+            "a card".into()
+        }
+
+        fn set_scene(&mut self, _: &Baked) -> Result<(), BackendError> {
+            if self.has_room { Ok(()) } else { Err(BackendError::Driver("out of memory".into())) }
+        }
+
+        fn pose(&mut self, _: &Baked) -> Result<(), BackendError> {
+            Ok(())
+        }
+
+        fn set_appearance(&mut self, _: &Appearance) -> Result<Vec<String>, BackendError> {
+            Ok(Vec::new())
+        }
+
+        fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+            Ok(Vec::new())
+        }
+
+        fn set_local_lighting(&mut self, _: &LocalLighting) -> Result<Vec<String>, BackendError> {
+            Ok(Vec::new())
+        }
+
+        fn begin(&mut self, _: &View, _: BrdfSampling) -> Result<(), BackendError> {
+            Ok(())
+        }
+
+        fn render_rows(&mut self, _: u32, _: Range<u32>) -> Result<(), BackendError> {
+            Err(BackendError::DeviceLost { reason: "unplugged".into() })
+        }
+
+        fn sketch(&mut self, _: u32, _: &[u32]) -> Result<(), BackendError> {
+            unreachable!("commands make no sketches")
+        }
+
+        fn fill(&mut self, _: u32) -> Result<u32, BackendError> {
+            unreachable!("commands make no sketches")
+        }
+
+        fn display(&mut self, _: &Post, _: u32) -> Result<Vec<[u8; 4]>, BackendError> {
+            unreachable!("it has no picture")
+        }
+
+        fn read(&mut self, _: u32) -> Result<(Image, Vec<f32>), BackendError> {
+            unreachable!("it has no picture")
+        }
+
+        fn stats(&mut self) -> Result<PictureStats, BackendError> {
+            unreachable!("it has no picture")
+        }
+    }
+
+    #[test]
+    fn where_an_adapter_fails_the_cpu_makes_the_same_picture_and_says_so() {
+        let baked: Baked = Arc::new(dataset(&["a"], &[])).into();
+        let mut look = plain_look(1);
+        look.appearance = Appearance::of(&baked.dataset.scene);
+        let take = |backend: Box<dyn Backend>| {
+            let mut studio = Studio::new(backend, baked.clone()).unwrap();
+            (studio.take(&look, &|| false).unwrap(), studio.remarks())
+        };
+        let (expected, remarks) = take(Box::new(CpuBackend::new()));
+        assert!(remarks.is_empty(), "negative control: {remarks:?}");
+        for (has_room, why) in [(true, "unplugged"), (false, "out of memory")] {
+            let (taken, remarks) = take(Box::new(Failing { has_room }));
+            assert!(taken.image == expected.image && taken.stats.backend == CPU);
+            assert!(matches!(&remarks[..], [one] if one.contains("\"a card\"") && one.contains(why)), "{remarks:?}");
+        }
+        let mut studio = Studio::new(Box::new(CpuBackend::new()), baked.clone()).unwrap();
+        assert!(studio.take(&look, &|| true).unwrap_err().is::<Interrupted>());
+    }
 }

@@ -7,7 +7,7 @@ use lapidary_precompute::{BounceTrial, POINTS_PER_VERTEX, Stored, Trial, most_ve
 
 /// Core seconds per vertex, where no trial has measured them: placing vertices where visibility varies, and all else before the
 /// light tree.
-const TESSELLATION: [f64; 2] = [2.5e-4, 5e-5];
+const TESSELLATION: [f64; 2] = [1.4e-4, 5e-5];
 /// Bytes of a packed node.
 pub const NODE_BYTES: f64 = 2.0;
 

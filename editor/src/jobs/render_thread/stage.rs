@@ -9,7 +9,7 @@ const SETTLE: Duration = Duration::from_millis(120);
 const COMPILER_WAIT: Duration = Duration::from_millis(4);
 
 /// Time after which the window says that they are not.
-const COMPILER_SILENCE: Duration = Duration::from_millis(300);
+pub const COMPILER_SILENCE: Duration = Duration::from_millis(300);
 
 /// Stage of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,10 +19,7 @@ pub enum PictureStage {
     /// The next picture is about to begin.
     Begin,
     /// It has begun, and its shaders are being compiled on other threads. The last picture stays.
-    Compile {
-        /// Since when.
-        since: Instant,
-    },
+    Compile,
     /// Its first sample is being computed.
     Sketch,
     /// A reduced picture is shown; the full one follows if nothing changes for a while.
@@ -44,15 +41,10 @@ impl PictureStage {
     pub fn patience(self, now: Instant) -> Option<Duration> {
         match self {
             Self::Rest => None,
-            Self::Compile { .. } => Some(COMPILER_WAIT),
+            Self::Compile => Some(COMPILER_WAIT),
             Self::Settle { since } => Some((since + SETTLE).saturating_duration_since(now)),
             Self::Begin | Self::Sketch | Self::Full { .. } => Some(Duration::ZERO),
         }
-    }
-
-    /// Whether shaders have been compiled for so long that the window says so.
-    pub fn compiles_long(self, now: Instant) -> bool {
-        matches!(self, Self::Compile { since } if now.saturating_duration_since(since) >= COMPILER_SILENCE)
     }
 
     /// Whether the full picture may begin.
@@ -93,15 +85,6 @@ mod tests {
         assert!(stage.settled(since + SETTLE) && !stage.settled(since + SETTLE / 2));
         assert!(!PictureStage::Begin.settled(since));
         assert_eq!(PictureStage::Rest.patience(since), None);
-    }
-
-    #[test]
-    fn a_compiler_is_looked_at_often_and_told_of_after_a_while() {
-        let since = Instant::now();
-        let stage = PictureStage::Compile { since };
-        assert_eq!(stage.patience(since), Some(COMPILER_WAIT));
-        assert!(!stage.compiles_long(since) && stage.compiles_long(since + COMPILER_SILENCE));
-        assert!(!PictureStage::Sketch.compiles_long(since + COMPILER_SILENCE));
     }
 
     #[test]

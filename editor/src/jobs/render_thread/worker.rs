@@ -6,9 +6,9 @@ mod telling;
 use super::{
     LinearPicture, Message, Outbox, RenderEvent, RenderRequest, RenderedFrame,
     sketching::{SketchPace, Sketching},
-    stage::{PictureStage, Restarts},
+    stage::{COMPILER_SILENCE, PictureStage, Restarts},
 };
-use crate::jobs::budget::Pace;
+use crate::{control_names::remedy_control, jobs::budget::Pace};
 use glam::Vec2;
 use lapidary_core::{camera::Camera, scene::pose::Poses};
 use lapidary_render::{
@@ -80,16 +80,30 @@ pub struct Shared {
 }
 
 /// The graphics adapter, as far as pictures have come from it.
-#[derive(Debug, PartialEq, Eq)]
 enum Adapter {
     /// There was no picture yet.
     Unknown,
     /// The renderer is on this one, or there is none.
     Used(Option<String>),
-    /// It had no room for the scene with this hash: the CPU has that.
-    Refused(String),
+    /// It had no room for this scene: the CPU has that.
+    Refused(Baked),
+    /// It had no room for a picture of this size.
+    TooLarge([u32; 2]),
     /// It failed: the CPU has all.
     GivenUp,
+    /// It was one of these, and is tried again.
+    Retried,
+}
+
+impl Adapter {
+    /// Whether another scene or size is worth a try.
+    fn is_worth_a_try(&self, baked: &Baked, size: [u32; 2]) -> bool {
+        match self {
+            Self::Refused(refused) => !refused.is_same(baked),
+            Self::TooLarge(too_large) => *too_large != size,
+            _ => false,
+        }
+    }
 }
 
 /// The state of the thread.
@@ -125,6 +139,8 @@ pub struct Worker {
     /// Requests that wait for the full picture.
     reads: Vec<u64>,
     restarts: Restarts,
+    /// Since when pictures have waited for shaders; newer requests wait for them, too.
+    compiles_since: Option<Instant>,
     /// Statistics of the last picture read back, which takes too long while something moves.
     stats: PictureStats,
     /// The last failure, which is not reported again until there was a picture.
@@ -155,6 +171,7 @@ impl Worker {
             redisplay: false,
             reads: Vec::new(),
             restarts: Restarts::default(),
+            compiles_since: None,
             stats: PictureStats::default(),
             reported: None,
         }
@@ -238,7 +255,7 @@ impl Worker {
         let has_shown = match self.stage {
             PictureStage::Full { .. } | PictureStage::Settle { .. } => true,
             PictureStage::Sketch => self.shown_apart.is_some(),
-            PictureStage::Rest | PictureStage::Begin | PictureStage::Compile { .. } => false,
+            PictureStage::Rest | PictureStage::Begin | PictureStage::Compile => false,
         };
         let is_preview = self.shared.is_preview.load(SeqCst) && self.reads.is_empty();
         let is_enough = matches!(self.stage, PictureStage::Full { .. }) && is_preview;
@@ -247,9 +264,9 @@ impl Worker {
 
     /// Rebuilds the renderer's shaders; the previous ones stay if that fails.
     fn reload(&mut self) {
-        if self.adapter == Adapter::GivenUp {
+        if matches!(self.adapter, Adapter::GivenUp) {
             self.reset();
-            self.adapter = Adapter::Unknown;
+            self.adapter = Adapter::Retried;
         }
         // A renderer created later reads them then.
         let reloaded = self.scene.as_mut().map_or(Ok(()), |scene| scene.backend().reload());
@@ -302,7 +319,7 @@ impl Worker {
                 self.begin(&request, request.look.view.size)
             }
             PictureStage::Settle { .. } => Ok(()),
-            PictureStage::Compile { since } => self.wait_for_shaders(since),
+            PictureStage::Compile => self.wait_for_shaders(),
             PictureStage::Sketch => self.sketch(&request),
             PictureStage::Full { sample, row } => self.band(&request, sample, row),
         }
@@ -391,9 +408,9 @@ impl Worker {
 
     /// Updates scene, materials and light of the renderer where they have changed.
     fn light(&mut self, baked: &Baked, look: &Look) -> Result<(), BackendError> {
-        if matches!(&self.adapter, Adapter::Refused(hash) if *hash != baked.dataset.scene_hash) {
+        if self.adapter.is_worth_a_try(baked, look.view.size) {
             self.reset();
-            self.adapter = Adapter::Unknown;
+            self.adapter = Adapter::Retried;
         }
         let scene = match &mut self.scene {
             Some(scene) => {
@@ -417,10 +434,17 @@ impl Worker {
 
     /// A new renderer, on the CPU where the adapter will not do.
     fn renderer(&mut self) -> Result<Box<dyn Backend>, BackendError> {
-        if matches!(self.adapter, Adapter::Refused(_) | Adapter::GivenUp) {
+        if matches!(self.adapter, Adapter::Refused(_) | Adapter::TooLarge(_) | Adapter::GivenUp) {
             return Ok(Box::new(CpuBackend::new()));
         }
-        let renderer = (self.factory)()?;
+        let renderer = match (self.factory)() {
+            Err(error) if matches!(self.adapter, Adapter::Retried) => {
+                self.adapter = Adapter::GivenUp;
+                self.outbox.event(RenderEvent::Remark(error.text(remedy_control)));
+                return Ok(Box::new(CpuBackend::new()));
+            }
+            made => made?,
+        };
         let name = renderer.name();
         self.adapter = Adapter::Used((name != CPU).then_some(name));
         Ok(renderer)
@@ -428,6 +452,8 @@ impl Worker {
 
     /// Gives up the renderer; the next picture makes another.
     fn reset(&mut self) {
+        (self.sketch_pace, self.band_pace) = Default::default();
+        (self.seen_from, self.shown_apart, self.compiles_since) = (None, None, None);
         self.lights_before += self.scene.take().map_or(0, |scene| scene.light_revision());
     }
 
@@ -455,13 +481,15 @@ impl Worker {
         scene.resume(&view, request.look.sampling)?;
         let sketching = Sketching::new(size, request.pointer.unwrap_or(Vec2::splat(0.5)));
         self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0, sketching, holes: 0 });
-        self.wait_for_shaders(Instant::now())
+        self.wait_for_shaders()
     }
 
     /// Goes on with the picture once its shaders are compiled.
-    fn wait_for_shaders(&mut self, since: Instant) -> Result<(), BackendError> {
+    fn wait_for_shaders(&mut self) -> Result<(), BackendError> {
         let Some(scene) = &mut self.scene else { return Ok(()) };
-        self.stage = if scene.is_ready()? { PictureStage::Sketch } else { PictureStage::Compile { since } };
+        let is_ready = scene.is_ready()?;
+        self.stage = if is_ready { PictureStage::Sketch } else { PictureStage::Compile };
+        self.compiles_since = self.compiles_since.or_else(|| Some(Instant::now())).filter(|_| !is_ready);
         Ok(())
     }
 

@@ -53,15 +53,16 @@ impl Edges {
 
     /// Number of pairs of vertices at its ends.
     fn copies_of(&self, mesh: &Mesh, edge: u32) -> u32 {
-        let pair = |&t: &u32| {
-            let [u, v] = end_vertices_in(mesh, self, edge, t);
+        let pair = |(t, corner): (u32, usize)| {
+            let [u, v] = [1, 2].map(|next| mesh.triangles[t as usize][(corner + next) % 3]);
             (u.min(v), u.max(v))
         };
-        match self.triangles(edge) {
-            [_] => 1,
-            [one, other] => 1 + u32::from(pair(one) != pair(other)),
-            many => many.iter().map(pair).collect::<FxHashSet<_>>().len() as u32,
-        }
+        // A triangle with two corners at one place has an edge twice.
+        let corners = |&t: &u32| (0..3).filter(move |&i| self.of_triangle[t as usize][i] == edge).map(move |i| (t, i));
+        let mut pairs: Vec<(u32, u32)> = self.triangles(edge).iter().flat_map(corners).map(pair).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs.len() as u32
     }
 
     /// The longest edge of a triangle; ties are broken by index, consistently on both sides of an edge.
@@ -132,13 +133,37 @@ fn by_edge(of_triangle: &[[u32; 3]], counts: &[u32]) -> (Vec<u32>, Vec<u32>) {
 
 /// The mesh vertices at the ends of an edge, in its first triangle.
 pub(super) fn end_vertices(mesh: &Mesh, edges: &Edges, edge: u32) -> [u32; 2] {
-    let first = edges.triangles(edge)[0];
-    end_vertices_in(mesh, edges, edge, first)
-}
-
-/// The same, in one of its triangles.
-fn end_vertices_in(mesh: &Mesh, edges: &Edges, edge: u32, triangle: u32) -> [u32; 2] {
-    let triangle = triangle as usize;
+    let triangle = edges.triangles(edge)[0] as usize;
     let corner = edges.of_triangle[triangle].iter().position(|&e| e == edge).unwrap_or(0);
     [mesh.triangles[triangle][(corner + 1) % 3], mesh.triangles[triangle][(corner + 2) % 3]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::{floor, scene_of};
+    use glam::Vec3;
+
+    #[test]
+    fn edges_know_their_triangles_and_the_vertices_that_splitting_them_adds() {
+        // A strip of two triangles with vertices of their own, and one with two corners at one place.
+        let mut triangles = floor(1.0, 0.0).to_vec();
+        triangles.push([Vec3::X, Vec3::X, Vec3::Y]);
+        let mesh = scene_of(&triangles).mesh;
+        let edges = Edges::new(&mesh);
+        for edge in 0..edges.ends.len() as u32 {
+            let of_edge = edges.triangles(edge);
+            let all = (0..3).filter(|&t| edges.of_triangle[t as usize].contains(&edge));
+            assert!(
+                all.clone().all(|t| of_edge.contains(&t)) && of_edge.iter().all(|t| all.clone().any(|of| of == *t))
+            );
+        }
+        let copies = |triangles: &[u32]| {
+            let edge = (0..edges.ends.len() as u32).find(|&e| edges.triangles(e) == triangles);
+            edges.copies[edge.expect("there is one") as usize]
+        };
+        assert_eq!(copies(&[0, 1]), 2, "a seam");
+        assert_eq!(copies(&[2, 2]), 2, "twice in one triangle");
+        assert_eq!(copies(&[0]), 1, "a border");
+    }
 }

@@ -272,3 +272,27 @@ fn midpoint_error(middle: &PilotSample, a: &PilotSample, b: &PilotSample) -> f32
     let nearness = traced.map(twice).sum::<u32>() as f32 / (2 * 255 * DIRECTIONS / OF_MIDDLES) as f32;
     open.max(nearness)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(open: u64, nearness: u8) -> PilotSample {
+        PilotSample { open: [open; DIRECTIONS / 64], nearness: Some(Box::new([nearness; DIRECTIONS])) }
+    }
+
+    #[test]
+    fn errors_at_midpoints_are_those_of_all_directions() {
+        let (closed, open) = (sample(0, 0), sample(u64::MAX, 0));
+        let error = midpoint_error;
+        assert_eq!(error(&open, &closed, &closed), 1.0, "a thing between the ends hides all");
+        assert_eq!(error(&closed, &closed, &open), 0.5, "either way");
+        assert_eq!(error(&open, &open, &open), 0.0);
+        let near = sample(0, 255);
+        assert_eq!(error(&near, &closed, &closed), 1.0);
+        assert_eq!(error(&closed, &near, &closed), 0.5);
+        // Every direction that is traced from midpoints stands for as many.
+        assert_eq!(error(&sample(1, 0), &closed, &closed), (2 * OF_MIDDLES) as f32 / DIRECTIONS as f32);
+        assert_eq!(error(&sample(2, 0), &closed, &closed), 0.0, "negative control: it is not traced");
+    }
+}

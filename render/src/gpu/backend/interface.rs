@@ -177,10 +177,9 @@ impl Backend for GpuBackend {
     fn is_ready(&mut self) -> Result<bool, BackendError> {
         let Self { pipelines, progress, .. } = self;
         let Some(picture) = &progress.picture else { return Ok(true) };
-        let needed: Vec<Pass> = picture.needed.iter().chain(pipelines.passes.of_sketches()).cloned().collect();
-        pipelines.compile_soon(&needed);
-        let is_ready = needed.iter().all(Pass::is_compiled);
-        if is_ready { check(needed.iter()).map(|()| true) } else { Ok(false) }
+        pipelines.compile_soon(&picture.needed);
+        let needed = || picture.needed.iter().chain(pipelines.passes.of_sketches());
+        if needed().all(Pass::is_compiled) { check(needed()).map(|()| true) } else { Ok(false) }
     }
 
     fn render_rows(&mut self, sample: u32, rows: Range<u32>) -> Result<(), BackendError> {

@@ -4,11 +4,15 @@ use super::{GpuBackend, groups::Groups};
 use crate::{
     device::layout,
     error::BackendError,
-    gpu::{passes::PartPass, pipeline::Pass},
+    gpu::{
+        passes::{PartPass, check},
+        pipeline::{Pass, compile_soon},
+    },
     post::Post,
     sampling::BrdfSampling,
     shade::mirrors::DEEPEST,
     view::{Background, View},
+    view_mode::ViewMode,
 };
 use glam::{Vec2, Vec3};
 
@@ -102,9 +106,13 @@ impl GpuBackend {
         let mirrors = shown.prepare_mirrors(pipelines, view, sampling);
         progress.set_parts(pipelines.gpu(), shown.parts(view.mode, mirrors), shown.prepare_suns(pipelines.gpu(), view));
         let groups = Groups::new(pipelines.gpu(), &pipelines.uniforms, shown, progress);
+        if view.mode == ViewMode::Shaded && !shown.local.shown_lights().is_empty() {
+            // Shadow maps are drawn before the picture begins.
+            check([&pipelines.passes.shadow].into_iter())?;
+        }
         let (passes, mirrored) = shown.passes(pipelines, (view, sampling), (&groups, progress.targets()))?;
         let needed = pipelines.passes.of_picture([&passes, &mirrored[0], &mirrored[1]]);
-        pipelines.compile_soon(&needed);
+        compile_soon(needed.iter().cloned());
         // As on the CPU and in the legend, whether the environment is shown or not.
         let illum_cut = shown.environment.light.as_ref().map_or(0, |(light, _)| light.tree.max_nodes);
         Ok(Picture {

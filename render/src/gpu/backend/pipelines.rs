@@ -46,9 +46,9 @@ impl Pipelines {
     /// A shader that cannot be read, or does not compile if it is one of a folder.
     pub fn new(device: SharedDevice, source: &ShaderSource, path: GpuPath) -> Result<Self, BackendError> {
         let shaders = Shaders { source: source.clone(), ..Default::default() };
-        let passes = Passes::new(&device.gpu, &shaders, path, None)?;
+        let mut passes = Passes::new(&device.gpu, &shaders, path, None)?;
         if is_edited(source) {
-            passes.compile()?;
+            passes.compile_with(Vec::new())?;
         }
         Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders, path })
     }
@@ -64,9 +64,9 @@ impl Pipelines {
     /// A shader that cannot be read, or does not compile if it is one of a folder. The previous ones stay then.
     pub fn specialize(&mut self, models: ModelSet, has_veils: bool) -> Result<(), BackendError> {
         let shaders = Shaders { models, has_veils, source: self.shaders.source.clone() };
-        let passes = Passes::new(self.gpu(), &shaders, self.path, Some(&self.passes))?;
+        let mut passes = Passes::new(self.gpu(), &shaders, self.path, Some(&self.passes))?;
         if is_edited(&shaders.source) {
-            passes.compile()?;
+            passes.compile_with(self.passes.variants())?;
         }
         (self.passes, self.shaders) = (passes, shaders);
         Ok(())
@@ -79,18 +79,17 @@ impl Pipelines {
     pub fn reload(&mut self, path: GpuPath) -> Result<(), BackendError> {
         let mut passes = Passes::new(self.gpu(), &self.shaders, path, None)?;
         if is_edited(&self.shaders.source) {
-            self.passes.variants().into_iter().for_each(|variant| drop(passes.merge(variant)));
-            passes.compile()?;
+            passes.compile_with(self.passes.variants())?;
         }
         (self.passes, self.path) = (passes, path);
         Ok(())
     }
 
-    /// Compiles some passes on other threads, then all others, so that no first lamp or orbit waits. An emulated adapter has better use
-    /// for the cores.
+    /// Compiles on other threads what a picture in a window needs, then what sketches do, and then all others, so that no first lamp or
+    /// orbit waits. An emulated adapter has better use for the cores.
     pub fn compile_soon(&self, needed: &[Pass]) {
         let others = self.passes.all().filter(|_| !is_emulated(&self.gpu().info));
-        pipeline::compile_soon(needed.iter().chain(others).cloned());
+        pipeline::compile_soon(needed.iter().chain(self.passes.of_sketches()).chain(others).cloned());
     }
 
     /// Does some work, and waits for it.

@@ -60,8 +60,12 @@ fn while_shaders_are_compiled_the_last_picture_stays_and_requests_are_taken() {
     thread.request(edited.clone());
     wait_for("the line that says so", || thread.compiles().then_some(()));
     let before = work(&log);
-    edited.look.view.camera.eye.x = 5.0;
-    thread.request(edited);
+    for x in [4.0, 5.0] {
+        edited.look.view.camera.eye.x = x;
+        thread.request(edited.clone());
+        std::thread::sleep(Duration::from_millis(20));
+        assert!(thread.compiles(), "newer requests wait as long");
+    }
     linger();
     assert!(thread.frames().is_none(), "the last picture stays");
     assert_eq!(work(&log), before);
@@ -84,19 +88,18 @@ fn a_panic_is_reported_and_the_next_change_starts_anew() {
 #[test]
 fn a_scene_that_the_adapter_has_no_room_for_is_rendered_by_the_cpu() {
     let (log, mut thread) = start(Log { refuse_scenes: true, ..Log::default() });
-    thread.request(request(1));
+    let mut edited = request(1);
+    thread.request(edited.clone());
     let (text, frame) = remark(&mut thread);
     assert!(text.contains("need 2 bytes") && text.contains("allows 1"), "{text}");
     assert_eq!(frame.backend, "cpu");
     log.lock().unwrap().refuse_scenes = false;
-    let mut edited = request(1);
     edited.look.view.camera.eye.x = 4.0;
     thread.request(edited.clone());
     assert_eq!(complete(&mut thread).backend, "cpu", "the same scene");
-    let another = Dataset { scene_hash: "another".into(), ..test_scenes::dataset(&["a"], &[]) };
-    edited.baked = Some(Arc::new(another).into());
+    edited.baked = Some(dataset().into());
     thread.request(edited);
-    assert_eq!(complete(&mut thread).backend, "fake", "another one");
+    assert_eq!(complete(&mut thread).backend, "fake", "another bake of it");
     assert!(thread.events().is_empty(), "it is told once");
 }
 

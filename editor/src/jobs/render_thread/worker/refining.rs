@@ -22,7 +22,7 @@ impl Worker {
         let is_due = match self.stage {
             PictureStage::Rest | PictureStage::Full { .. } => true,
             PictureStage::Settle { .. } => self.stage.settled(Instant::now()),
-            PictureStage::Begin | PictureStage::Compile { .. } | PictureStage::Sketch => false,
+            PictureStage::Begin | PictureStage::Compile | PictureStage::Sketch => false,
         };
         if !is_due || !self.may_be_finer() || self.must_wait() {
             return Ok(false);

@@ -1,8 +1,11 @@
 //! Messages to the window: pictures, requested pictures, and failures.
 
-use super::{Adapter, HOLES_SHARE, LinearPicture, PictureStage, RenderEvent, RenderRequest, RenderedFrame, Worker};
+use super::{
+    Adapter, COMPILER_SILENCE, HOLES_SHARE, LinearPicture, PictureStage, RenderEvent, RenderRequest, RenderedFrame,
+    Worker,
+};
 use crate::control_names::remedy_control;
-use lapidary_render::BackendError;
+use lapidary_render::{BackendError, Remedy};
 use std::{sync::atomic::Ordering::SeqCst, time::Instant};
 
 impl Adapter {
@@ -64,7 +67,7 @@ impl Worker {
 
     /// Whether the next picture has waited for shaders for so long that the window says so; it is woken when that changes.
     pub(super) fn tell_compiles(&self) {
-        let compiles = self.stage.compiles_long(Instant::now());
+        let compiles = self.compiles_since.is_some_and(|since| since.elapsed() >= COMPILER_SILENCE);
         if self.shared.compiles.swap(compiles, SeqCst) != compiles {
             self.outbox.wake();
         }
@@ -78,8 +81,13 @@ impl Worker {
         let remark = match self.adapter.name().and_then(cpu_instead) {
             _ if restarts => error.text(remedy_control),
             Some(remark) => {
-                self.adapter = match (&error, self.wanted.as_ref().and_then(|request| request.baked.as_ref())) {
-                    (BackendError::Limit { .. }, Some(baked)) => Adapter::Refused(baked.dataset.scene_hash.clone()),
+                self.adapter = match (&error, self.wanted.as_deref()) {
+                    (BackendError::Limit { remedy: Remedy::SmallerPicture, .. }, Some(request)) => {
+                        Adapter::TooLarge(request.look.view.size)
+                    }
+                    (BackendError::Limit { .. }, Some(RenderRequest { baked: Some(baked), .. })) => {
+                        Adapter::Refused(baked.clone())
+                    }
                     _ => Adapter::GivenUp,
                 };
                 remark
