@@ -207,7 +207,7 @@ mod tests {
         let estimate = speed(None).estimate(&Preset::Normal.settings()).unwrap();
         assert_eq!(estimate.vertices, 100_000);
         // 100,000 vertices are placed, and they and 8 points of each pilot cluster traced.
-        let expected = 1e5 * 3e-4 / 2.0 + (1e5 + 8192.0) * 32_768.0 / 90e6;
+        let expected = 1e5 * 1.9e-4 / 2.0 + (1e5 + 8192.0) * 32_768.0 / 90e6;
         assert!((estimate.secs - expected).abs() < 1e-6, "{} for {expected}", estimate.secs);
         assert_eq!(estimate.bytes, 34_000_000);
         let four_cores = Speed { cores: 4, ..speed(None) };
@@ -229,7 +229,7 @@ mod tests {
         // Cuts of four times the lights are twice as long.
         assert_eq!(estimate.bytes, 20_000_000);
         let traced = (1e5 + 8192.0) * 8192.0 * 4_f64.powf(0.8) / 40e6;
-        assert!((estimate.secs - (1e5 * 4.5e-4 / 2.0 + traced)).abs() < 1e-6, "{}", estimate.secs);
+        assert!((estimate.secs - (1e5 * 2.5e-4 / 2.0 + traced)).abs() < 1e-6, "{}", estimate.secs);
         let run = Some(BakeRun { samples_per_second: 1e6, ..Default::default() });
         let report = BakeReport { run, mean_cut: 100.0, lights: 32_768, sigma: 2.0, ..Default::default() };
         let known = of(speed(Some(&report)));
