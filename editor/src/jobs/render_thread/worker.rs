@@ -490,6 +490,8 @@ impl Worker {
         let is_ready = scene.is_ready()?;
         self.stage = if is_ready { PictureStage::Sketch } else { PictureStage::Compile };
         self.compiles_since = self.compiles_since.or_else(|| Some(Instant::now())).filter(|_| !is_ready);
+        // The first picture after it is made without a look at messages.
+        self.tell_compiles();
         Ok(())
     }
 

@@ -67,9 +67,14 @@ fn while_shaders_are_compiled_the_last_picture_stays_and_requests_are_taken() {
     linger();
     assert!(thread.frames().is_none(), "the last picture stays");
     assert_eq!(work(&log), before);
-    log.lock().unwrap().compiles = false;
+    {
+        let mut log = log.lock().unwrap();
+        (log.compiles, log.micros_per_pixel) = (false, 1000);
+    }
+    wait_for("the end of the line", || (!thread.compiles()).then_some(()));
+    assert!(thread.frames().is_none(), "it ends before the picture is there");
+    log.lock().unwrap().micros_per_pixel = 0;
     assert_eq!(complete(&mut thread).pixels[0][0], 5, "the newest request");
-    assert!(!thread.compiles());
 }
 
 #[test]
