@@ -118,7 +118,7 @@ fn wanted_edges(
     // Long edges come first, by length. Then come edges with visible errors, by affected area.
     let mut ranked: Vec<(f32, u32)> = long.into_iter().map(|e| (1e3 + length(e), e)).collect();
     if let Some(pilot) = pilot {
-        let errors = pilot.errors(mesh, sides, edges, &candidates)?;
+        let errors = pilot.errors(mesh, sides, edges, &candidates, length)?;
         let visible = candidates.par_iter().zip(errors).filter(|(_, error)| *error > TOLERANCE);
         ranked.par_extend(visible.map(|(&e, error)| (error * length(e).powi(2), e)));
     }

@@ -41,7 +41,7 @@ fn baked(mode: BakeParts, exhaustive: bool) -> Dataset {
 fn baked_with(mode: BakeParts, exhaustive: bool, criterion: CutCriterion) -> Dataset {
     let folder = tempfile::tempdir().unwrap();
     let indirect = IndirectSettings { sources: 512, viewpoint: Some(Vec3::new(-0.5, 0.0, 0.0)), ..Default::default() };
-    let object_bases = ObjectBasesSettings { functions: 1500, levels: 3, sender_level: 1 };
+    let object_bases = ObjectBasesSettings { functions: 500, levels: 3, sender_level: 1 };
     let draft =
         BakeSettings { mode, indirect, object_bases, exhaustive, criterion, lights: 4096, ..Preset::Draft.settings() };
     let settings = BakeSettings { max_vertices: Some(600), pilot_clusters: 32, ..draft };
@@ -132,9 +132,9 @@ fn others_after_the_way_back(sigma: f32) -> [usize; 2] {
 fn the_way_back_leads_back_where_no_node_hides_a_leaf() {
     let [back, there] = others_after_the_way_back(0.0);
     assert!(back == 0 && there > 100, "{back} {there}");
-    // A node above the granules that was not uniform stays split: by the place of the vertices 15 to 21 of 600.
+    // A node above the granules that was not uniform stays split. Measured: 15 of 600.
     let [back, there] = others_after_the_way_back(2.0);
-    assert!(4 * back < there && there > 100, "{back} {there}");
+    assert!(back <= 20 && there > 100, "{back} {there}");
 }
 
 #[test]

@@ -26,8 +26,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// with 256, which take half as long again.
 const DIRECTIONS: usize = 128;
 
-/// Every how many of these directions is traced from midpoints: what their ends do not tell is known to about 1 / √32.
-const OF_MIDDLES: usize = 4;
+/// Every how many of these directions is traced from midpoints of edges shorter than a unit, most edges of a dense mesh: what their ends do
+/// not tell is known to about 1 / √32.
+const OF_SHORT: usize = 4;
 
 /// Functions that vertices store, which must be linear along edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,33 +168,38 @@ impl<'a> Pilot<'a> {
         Ok(())
     }
 
-    /// Errors of linear interpolation at the midpoints of edges. Traces what it does not know.
+    /// Errors of linear interpolation at the midpoints of edges, by their lengths in units. Traces what it does not know.
     pub fn errors(
         &mut self,
         mesh: &Mesh,
         sides: &Sidedness,
         edges: &Edges,
         candidates: &[u32],
+        length: impl Fn(u32) -> f32,
     ) -> Result<Vec<f32>, BakeError> {
         let known = |&e: &u32| self.errors.get(&edges.ends[e as usize]).copied();
         let mut errors: Vec<Option<f32>> = candidates.par_iter().map(known).collect();
-        let unknown: Vec<u32> =
-            candidates.iter().zip(&errors).filter(|(_, error)| error.is_none()).map(|(&e, _)| e).collect();
-        let found = self.learn_errors(mesh, sides, edges, &unknown)?;
-        self.errors.extend(unknown.iter().map(|&e| edges.ends[e as usize]).zip(found.iter().copied()));
-        errors.iter_mut().filter(|error| error.is_none()).zip(found).for_each(|(error, found)| *error = Some(found));
+        let unknown = candidates.iter().zip(&errors).filter(|(_, error)| error.is_none()).map(|(&e, _)| e);
+        let (short, long): (Vec<u32>, Vec<u32>) = unknown.partition(|&e| length(e) < 1.0);
+        let points = BakePoints::new(mesh, sides);
+        for (unknown, step) in [(short, OF_SHORT), (long, 1)] {
+            let found = self.learn_errors((mesh, edges, &points), &unknown, step)?;
+            self.errors.extend(unknown.iter().map(|&e| edges.ends[e as usize]).zip(found));
+        }
+        let learn = |(error, &e): (&mut Option<f32>, &u32)| {
+            *error = error.or_else(|| self.errors.get(&edges.ends[e as usize]).copied());
+        };
+        errors.par_iter_mut().zip(candidates).for_each(learn);
         Ok(errors.into_iter().flatten().collect())
     }
 
-    /// Traces the ends of edges, and in part their midpoints.
+    /// Traces the ends of edges, and their midpoints in every `step`th direction.
     fn learn_errors(
         &mut self,
-        mesh: &Mesh,
-        sides: &Sidedness,
-        edges: &Edges,
+        (mesh, edges, points): (&Mesh, &Edges, &BakePoints),
         unknown: &[u32],
+        step: usize,
     ) -> Result<Vec<f32>, BakeError> {
-        let points = BakePoints::new(mesh, sides);
         let ends_of = |&e: &u32| end_vertices(mesh, edges, e).map(|v| points.of_vertex[v as usize]);
         let ends: Vec<[u32; 2]> = unknown.par_iter().map(ends_of).collect();
         let mut needed: Vec<u32> = ends.iter().copied().flatten().collect();
@@ -205,11 +211,11 @@ impl<'a> Pilot<'a> {
             let [a, b] = ends.map(|p| &points.points[p as usize]);
             midpoint(a, b)
         };
-        let middles = self.seen_from(&ends.par_iter().map(middle).collect::<Vec<_>>(), OF_MIDDLES)?;
+        let middles = self.seen_from(&ends.par_iter().map(middle).collect::<Vec<_>>(), step)?;
         let sample_of = |p: u32| &self.samples[self.places[&key_of(&points.points[p as usize])] as usize];
         let error = |(ends, middle): (&[u32; 2], &PilotSample)| {
             let [a, b] = ends.map(sample_of);
-            midpoint_error(middle, a, b)
+            midpoint_error((middle, step), a, b)
         };
         Ok(ends.par_iter().zip(&middles).map(error).collect())
     }
@@ -258,18 +264,18 @@ fn midpoint(a: &BakePoint, b: &BakePoint) -> BakePoint {
 }
 
 /// Mean over directions of the difference between the midpoint and the mean of the ends, for visibility or nearness, whichever is
-/// larger. The midpoint is known in every [`OF_MIDDLES`]th direction.
-fn midpoint_error(middle: &PilotSample, a: &PilotSample, b: &PilotSample) -> f32 {
-    let traced = (0..64).step_by(OF_MIDDLES).fold(0_u64, |traced, bit| traced | 1 << bit);
+/// larger. The midpoint is known in every `step`th direction.
+fn midpoint_error((middle, step): (&PilotSample, usize), a: &PilotSample, b: &PilotSample) -> f32 {
+    let traced = (0..64).step_by(step).fold(0_u64, |traced, bit| traced | 1 << bit);
     let words = (0..middle.open.len()).map(|i| (middle.open[i], a.open[i], b.open[i]));
     // Where the ends differ, the midpoint is wrong by one half either way.
-    let halves = words
-        .map(|(m, a, b)| (a ^ b).count_ones() + 2 * OF_MIDDLES as u32 * (!(a ^ b) & (a ^ m) & traced).count_ones());
+    let halves =
+        words.map(|(m, a, b)| (a ^ b).count_ones() + 2 * step as u32 * (!(a ^ b) & (a ^ m) & traced).count_ones());
     let open = halves.sum::<u32>() as f32 / (2 * DIRECTIONS) as f32;
     let [Some(middle), Some(a), Some(b)] = [middle, a, b].map(|sample| sample.nearness.as_ref()) else { return open };
     let twice = |i: usize| (2 * u32::from(middle[i])).abs_diff(u32::from(a[i]) + u32::from(b[i]));
-    let traced = (0..DIRECTIONS).step_by(OF_MIDDLES);
-    let nearness = traced.map(twice).sum::<u32>() as f32 / (2 * 255 * DIRECTIONS / OF_MIDDLES) as f32;
+    let traced = (0..DIRECTIONS).step_by(step);
+    let nearness = traced.map(twice).sum::<u32>() as f32 / (2 * 255 * DIRECTIONS / step) as f32;
     open.max(nearness)
 }
 
@@ -281,10 +287,14 @@ mod tests {
         PilotSample { open: [open; DIRECTIONS / 64], nearness: Some(Box::new([nearness; DIRECTIONS])) }
     }
 
+    /// Of a short edge.
+    fn error(middle: &PilotSample, a: &PilotSample, b: &PilotSample) -> f32 {
+        midpoint_error((middle, OF_SHORT), a, b)
+    }
+
     #[test]
     fn errors_at_midpoints_are_those_of_all_directions() {
         let (closed, open) = (sample(0, 0), sample(u64::MAX, 0));
-        let error = midpoint_error;
         assert_eq!(error(&open, &closed, &closed), 1.0, "a thing between the ends hides all");
         assert_eq!(error(&closed, &closed, &open), 0.5, "either way");
         assert_eq!(error(&open, &open, &open), 0.0);
@@ -292,7 +302,12 @@ mod tests {
         assert_eq!(error(&near, &closed, &closed), 1.0);
         assert_eq!(error(&closed, &near, &closed), 0.5);
         // Every direction that is traced from midpoints stands for as many.
-        assert_eq!(error(&sample(1, 0), &closed, &closed), (2 * OF_MIDDLES) as f32 / DIRECTIONS as f32);
+        assert_eq!(error(&sample(1, 0), &closed, &closed), (2 * OF_SHORT) as f32 / DIRECTIONS as f32);
         assert_eq!(error(&sample(2, 0), &closed, &closed), 0.0, "negative control: it is not traced");
+        assert_eq!(
+            midpoint_error((&sample(2, 0), 1), &closed, &closed),
+            2.0 / DIRECTIONS as f32,
+            "that of a long edge"
+        );
     }
 }
