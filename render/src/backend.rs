@@ -123,8 +123,8 @@ pub trait Backend: Send {
     /// A dataset larger than the adapter's limits; the previous scene is kept then.
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError>;
 
-    /// Poses the current scene: `posed` has other vertex positions, and other visibility cuts for the moved vertices. Materials
-    /// stay; set the light again before the next picture.
+    /// Poses the current scene: `posed` has other vertex positions, and other visibility cuts for the moved vertices. Materials and
+    /// the environment's light stay; set the local lights again before the next picture.
     ///
     /// # Errors
     /// Cuts beyond the adapter's limits, or a lost device; a scene must then be set before the next picture.

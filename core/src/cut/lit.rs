@@ -121,13 +121,15 @@ impl LitCuts {
         if tau == self.tau { self } else { Self { tau, cuts: OnceLock::new(), ..self } }
     }
 
-    /// The same light with other stored cuts for the vertices marked in `is_replaced`. Lit cuts of the rest are kept.
+    /// The same light for other cuts. Lit cuts of those that are not replaced are kept.
     #[must_use]
-    pub fn with_replaced(&self, is_replaced: &[bool]) -> Self {
+    pub fn with_replaced(&self, others: &PackedCuts) -> Self {
         let cuts = OnceLock::new();
         if let Some(made) = self.cuts.get() {
-            let kept = made.iter().zip(is_replaced);
-            let kept = kept.map(|(cut, &is_replaced)| if is_replaced { OnceLock::new() } else { cut.clone() });
+            let kept = (0..).zip(made).map(|(vertex, cut)| match others.is_replaced(vertex) {
+                true => OnceLock::new(),
+                false => cut.clone(),
+            });
             cuts.get_or_init(|| kept.collect());
         }
         Self { cuts, light: self.light.clone(), ..*self }

@@ -293,6 +293,25 @@ impl PackedCuts {
     pub fn offsets(&self) -> &[u32] {
         &self.offsets
     }
+
+    /// Whether there are replacements.
+    pub fn has_replaced(&self) -> bool {
+        !self.others.is_empty()
+    }
+
+    /// Whether the cut of a vertex is a replacement.
+    pub fn is_replaced(&self, vertex: u32) -> bool {
+        self.offsets[vertex as usize] as usize * NODES_PER_TEXEL >= self.stored.len()
+    }
+
+    /// First texels of the vertices' cuts that are replacements, or of those that are not, each once and in order.
+    pub fn starts(&self, replaced: bool) -> Vec<u32> {
+        let vertices = (0..self.len() as u32).filter(|&vertex| self.is_replaced(vertex) == replaced);
+        let mut starts: Vec<u32> = vertices.map(|vertex| self.offsets[vertex as usize]).collect();
+        starts.sort_unstable();
+        starts.dedup();
+        starts
+    }
 }
 
 /// Appends a cut, padded to whole texels, and returns its first texel.
@@ -317,6 +336,9 @@ mod tests {
         }
         let others = cuts.with([(1, one.clone()), (2, one.clone())]);
         assert!(others.has_same_stored(&cuts) && others != cuts && others.validate(4).is_ok());
+        assert_eq!([0, 1, 2].map(|vertex| others.is_replaced(vertex)), [false, true, true]);
+        assert_eq!([false, true].map(|replaced| others.starts(replaced)), [vec![0], vec![3, 4]]);
+        assert_eq!([false, true].map(|replaced| cuts.starts(replaced)), [vec![0, 1, 2], vec![]]);
         assert_eq!([0, 1, 2].map(|vertex| others.cut(4, vertex)), [&two[..], &one, &one]);
         let whole = PackedCuts::from_parts(4, others.nodes().into_owned(), others.offsets().to_vec()).unwrap();
         assert!(whole == others && !whole.has_same_stored(&others));

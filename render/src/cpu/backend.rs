@@ -40,7 +40,10 @@ const MANY_RAYS: u32 = 256;
 #[derive(Default)]
 pub struct CpuBackend {
     renderer: Option<Renderer>,
+    /// The environment, for the cuts of the posed scene.
     light: Option<(Illumination, Arc<SceneLighting>)>,
+    /// Its light as it was set.
+    set_light: Option<Arc<SceneLighting>>,
     local: LocalLighting,
     /// The last remark about too many lights.
     remark: Option<String>,
@@ -130,10 +133,16 @@ impl CpuBackend {
         Self::default()
     }
 
-    /// Forgets everything but the scene and the pixels' surfaces.
-    fn forget_light(&mut self) {
-        (self.light, self.begun, self.local) = (None, None, LocalLighting::default());
-        self.remark = None;
+    /// Forgets the local lights and the picture.
+    fn forget_local_light(&mut self) {
+        (self.begun, self.local, self.remark) = (None, LocalLighting::default(), None);
+    }
+
+    /// Takes the environment's light as it was set, for cuts of which a pose replaced some.
+    fn light_cuts(&mut self) {
+        let (Some((_, shown)), Some(set)) = (&mut self.light, &self.set_light) else { return };
+        let cuts = self.renderer.as_ref().map(|renderer| &renderer.dataset.cuts).filter(|cuts| cuts.has_replaced());
+        *shown = cuts.map_or_else(|| set.clone(), |cuts| set.with_replaced_cuts(cuts).into());
     }
 
     /// The current picture with its sampler and painter.
@@ -163,7 +172,8 @@ impl Backend for CpuBackend {
 
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError> {
         self.renderer = Some(Renderer::new(baked.clone()));
-        self.forget_light();
+        (self.light, self.set_light) = (None, None);
+        self.forget_local_light();
         self.sketch.forget();
         Ok(())
     }
@@ -173,7 +183,8 @@ impl Backend for CpuBackend {
             self.sketch.pose(&Moved::between(&renderer.dataset.scene.mesh, &posed.dataset.scene.mesh));
             self.renderer = Some(renderer.posed(posed.clone()));
         }
-        self.forget_light();
+        self.light_cuts();
+        self.forget_local_light();
         Ok(())
     }
 
@@ -191,6 +202,8 @@ impl Backend for CpuBackend {
 
     fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
         self.light = Some((light.clone(), lighting.clone()));
+        self.set_light = Some(lighting.clone());
+        self.light_cuts();
         Ok(Vec::new())
     }
 

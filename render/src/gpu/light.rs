@@ -46,7 +46,7 @@ impl GpuTreeLight {
     fn new<L>(
         gpu: &GpuDevice,
         kernels: &LitKernels,
-        (field, stored): (LitField, &GpuCuts),
+        (field, cuts): (LitField, &GpuCuts),
         light: &TreeLight<L>,
     ) -> Result<Self, BackendError> {
         let node = |(row, extent): (&NodeRow, &NodeExtent)| Node {
@@ -59,7 +59,7 @@ impl GpuTreeLight {
         let nodes = storage(gpu, "light of a tree", bytemuck::cast_slice(&nodes));
         let brightness: Vec<f32> = light.extents.iter().map(|extent| extent.brightness).collect();
         let brightness = storage(gpu, "brightness", bytemuck::cast_slice(&brightness));
-        let tree = LitTree { field, stored, height: light.height(), nodes: &nodes, brightness: &brightness };
+        let tree = LitTree { field, cuts, height: light.height(), nodes: &nodes, brightness: &brightness };
         Ok(Self {
             lit: kernels.make(gpu, tree, &light.lit)?,
             nodes,
@@ -69,6 +69,22 @@ impl GpuTreeLight {
             sends_by_direction: light.sent.is_some(),
             max_nodes: light.max_nodes,
         })
+    }
+
+    /// Lights the cuts of a scene where a pose replaced others than before.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn replace_cuts(&mut self, gpu: &GpuDevice, kernels: &LitKernels, scene: &GpuScene) -> Result<(), BackendError> {
+        let tree = LitTree {
+            field: LitField::Environment,
+            cuts: &scene.cuts,
+            height: scene.tree_height,
+            nodes: &self.nodes,
+            brightness: &self.brightness,
+        };
+        self.lit = kernels.replace(gpu, tree, self.lit.clone())?;
+        Ok(())
     }
 
     /// No light, for a tree of `height`.
@@ -159,6 +175,19 @@ impl GpuLight {
             intensity: light.intensity,
             mirrored: mirrored.map(|map| GpuPyramid::new(gpu, map.pyramid(), before)),
         })
+    }
+
+    /// The same light where a pose replaced other cuts than before.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn replace_cuts(
+        &mut self,
+        gpu: &GpuDevice,
+        kernels: &LitKernels,
+        scene: &GpuScene,
+    ) -> Result<(), BackendError> {
+        self.tree.replace_cuts(gpu, kernels, scene)
     }
 
     /// No light, for a tree of `height`.

@@ -3,7 +3,7 @@
 //!
 //! The first one counts nodes, so that the buffer is no larger than they need; the second one writes them.
 
-use super::scene::GpuCuts;
+use super::scene::{CutStarts, GpuCuts};
 use crate::{
     device::{
         GpuDevice, Kernel, Shaders,
@@ -18,7 +18,10 @@ use crate::{
     error::BackendError,
     remedy::Remedy,
 };
-use lapidary_core::cut::lit::{DEFAULT_TAU, LitCuts};
+use lapidary_core::cut::{
+    lit::{DEFAULT_TAU, LitCuts},
+    packed::NODES_PER_TEXEL,
+};
 use wgpu::BufferUsages as Usages;
 
 /// Stored cuts that one workgroup coarsens; the shader's size of workgroups.
@@ -37,11 +40,11 @@ pub enum LitField {
     Sources,
 }
 
-/// Stored cuts, and the light of the tree that they are over.
+/// Cuts, and the light of the tree that they are over.
 #[derive(Clone, Copy)]
 pub struct LitTree<'a> {
     pub field: LitField,
-    pub stored: &'a GpuCuts,
+    pub cuts: &'a GpuCuts,
     pub height: u32,
     pub nodes: &'a wgpu::Buffer,
     pub brightness: &'a wgpu::Buffer,
@@ -50,16 +53,25 @@ pub struct LitTree<'a> {
 /// Lit cuts of all vertices.
 #[derive(Clone)]
 pub struct GpuLitCuts {
-    /// Nodes of all cuts.
+    /// Nodes of all cuts: those of the stored ones, then those of replacements with room for as many as the texture has.
     pub nodes: wgpu::Buffer,
     /// The first node of the cut that is stored from each texel on.
     pub offsets: wgpu::Buffer,
+    /// Largest share of a vertex's light that a node moves between its parts.
+    tau: f32,
+    /// Nodes of the cuts that are stored.
+    of_stored: u32,
 }
 
 impl GpuLitCuts {
     /// None, where nothing is lit.
     pub fn none(gpu: &GpuDevice) -> Self {
-        Self { nodes: storage(gpu, "no lit cuts", &[0; 4]), offsets: storage(gpu, "no lit cuts", &[0; 4]) }
+        let nothing = || storage(gpu, "no lit cuts", &[0; 4]);
+        Self { nodes: nothing(), offsets: nothing(), tau: 0.0, of_stored: 0 }
+    }
+
+    fn has_room_for(&self, cuts: &GpuCuts) -> bool {
+        self.offsets.size() >= bytes_of_words(cuts.most_texels())
     }
 }
 
@@ -74,18 +86,41 @@ impl LitKernels {
         Ok(Self { count: kernels(&LIT_COUNT)?, write: kernels(&LIT_WRITE)? })
     }
 
-    /// The stored cuts under the light of their tree, as coarse as `lit` has them; coarser where they would not fit the adapter.
+    /// The cuts under the light of their tree, as coarse as `lit` has them; coarser where they would not fit the adapter.
     ///
     /// # Errors
     /// A lost device.
     pub fn make(&self, gpu: &GpuDevice, tree: LitTree, lit: &LitCuts) -> Result<GpuLitCuts, BackendError> {
-        let [count, write] = [&self.count, &self.write].map(|kernels| &kernels[tree.field as usize]);
-        let mut tau = lit.tau();
+        self.with_tau(gpu, tree, lit.tau())
+    }
+
+    /// The same where a pose replaced other cuts than before. What is stored stays lit, and nothing is read back, unless there was no
+    /// room for so many.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn replace(&self, gpu: &GpuDevice, tree: LitTree, lit: GpuLitCuts) -> Result<GpuLitCuts, BackendError> {
+        if !lit.has_room_for(tree.cuts) {
+            return self.with_tau(gpu, tree, lit.tau);
+        }
+        self.add_others(gpu, tree, &lit)?;
+        Ok(lit)
+    }
+
+    fn with_tau(&self, gpu: &GpuDevice, tree: LitTree, mut tau: f32) -> Result<GpuLitCuts, BackendError> {
+        let GpuCuts { stored, stored_texels, .. } = tree.cuts;
+        let offsets = buffer(gpu, bytes_of_words(tree.cuts.most_texels()), Usages::empty());
+        let most_others = (tree.cuts.most_texels() - stored_texels) * NODES_PER_TEXEL as u32;
         loop {
-            let work = Work::new(gpu, tree, tau);
-            let bytes = u64::from(work.count(gpu, count)?) * size_of::<u32>() as u64;
+            let work = Work::new(gpu, tree, tau, stored, &offsets);
+            let of_stored = work.count(gpu, &self.count[tree.field as usize], 0)?.read(gpu)?;
+            let bytes = bytes_of_words(of_stored) + bytes_of_words(most_others);
             if bytes <= gpu.max_storage_bytes() {
-                return work.write(gpu, write, bytes);
+                let nodes = buffer(gpu, bytes, Usages::empty());
+                work.write(gpu, &self.write[tree.field as usize], &nodes)?;
+                let lit = GpuLitCuts { nodes, offsets, tau, of_stored };
+                self.add_others(gpu, tree, &lit)?;
+                return Ok(lit);
             }
             if tau >= 1.0 {
                 gpu.within("the lit cuts", "bytes", bytes, gpu.max_storage_bytes(), Remedy::SmallerCuts)?;
@@ -93,50 +128,73 @@ impl LitKernels {
             tau = (2.0 * tau).clamp(DEFAULT_TAU, 1.0);
         }
     }
+
+    /// Lights the replacements. They are no longer than before, so there is room.
+    fn add_others(&self, gpu: &GpuDevice, tree: LitTree, lit: &GpuLitCuts) -> Result<(), BackendError> {
+        if tree.cuts.others.count == 0 {
+            return Ok(());
+        }
+        let work = Work::new(gpu, tree, lit.tau, &tree.cuts.others, &lit.offsets);
+        work.count(gpu, &self.count[tree.field as usize], lit.of_stored)?;
+        work.write(gpu, &self.write[tree.field as usize], &lit.nodes)
+    }
 }
 
 /// The resources of one run.
 struct Work<'a> {
-    stored: &'a GpuCuts,
+    cuts: &'a CutStarts,
     tree: wgpu::BindGroup,
     uniforms: wgpu::Buffer,
     whole_light: wgpu::Buffer,
-    offsets: wgpu::Buffer,
+    offsets: &'a wgpu::Buffer,
+}
+
+/// The number of nodes of all cuts so far.
+struct Total(wgpu::Buffer);
+
+impl Total {
+    fn read(&self, gpu: &GpuDevice) -> Result<u32, BackendError> {
+        read_word(gpu, &self.0)
+    }
 }
 
 impl<'a> Work<'a> {
-    fn new(gpu: &GpuDevice, tree: LitTree<'a>, tau: f32) -> Self {
-        let LitTree { stored, height, nodes, brightness, .. } = tree;
-        let uniforms = LitUniforms { cuts: stored.count, tau, tree_height: height };
+    fn new(gpu: &GpuDevice, tree: LitTree<'a>, tau: f32, cuts: &'a CutStarts, offsets: &'a wgpu::Buffer) -> Self {
+        let LitTree { cuts: all, height, nodes, brightness, .. } = tree;
+        let uniforms = LitUniforms { cuts: cuts.count, tau, tree_height: height };
         Self {
-            stored,
-            tree: StoredCuts { nodes, brightness, visibility_cuts: &stored.view }.bind(gpu),
+            cuts,
+            tree: StoredCuts { nodes, brightness, visibility_cuts: &all.view }.bind(gpu),
             uniforms: uniform(gpu, "uniforms of lit cuts", bytemuck::bytes_of(&uniforms)),
-            whole_light: buffer(gpu, 4 * u64::from(stored.count), Usages::empty()),
-            offsets: buffer(gpu, 4 * u64::from(stored.texels), Usages::empty()),
+            whole_light: buffer(gpu, bytes_of_words(cuts.count), Usages::empty()),
+            offsets,
         }
     }
 
-    fn count(&self, gpu: &GpuDevice, kernel: &Kernel) -> Result<u32, BackendError> {
-        let total = buffer(gpu, 4, Usages::COPY_SRC);
-        let Self { stored, uniforms, whole_light, offsets, .. } = self;
-        let cuts = CountedCuts { lit: uniforms, starts: &stored.starts, whole_light, offsets, total: &total };
-        self.run(gpu, kernel, cuts.bind(gpu))?;
-        read_word(gpu, &total)
+    /// Counts nodes after `before` others.
+    fn count(&self, gpu: &GpuDevice, kernel: &Kernel, before: u32) -> Result<Total, BackendError> {
+        let total = buffer(gpu, bytes_of_words(1), Usages::COPY_SRC | Usages::COPY_DST);
+        gpu.queue.write_buffer(&total, 0, &before.to_ne_bytes());
+        let Self { cuts, uniforms, whole_light, offsets, .. } = self;
+        let counted = CountedCuts { lit: uniforms, starts: &cuts.texels, whole_light, offsets, total: &total };
+        self.run(gpu, kernel, counted.bind(gpu))?;
+        Ok(Total(total))
     }
 
-    fn write(self, gpu: &GpuDevice, kernel: &Kernel, bytes: u64) -> Result<GpuLitCuts, BackendError> {
-        let nodes = buffer(gpu, bytes, Usages::empty());
-        let Self { stored, uniforms, whole_light, offsets, .. } = &self;
-        let cuts = WrittenCuts { lit: uniforms, starts: &stored.starts, whole_light, offsets, lit_nodes: &nodes };
-        self.run(gpu, kernel, cuts.bind(gpu))?;
-        Ok(GpuLitCuts { nodes, offsets: self.offsets })
+    fn write(&self, gpu: &GpuDevice, kernel: &Kernel, lit_nodes: &wgpu::Buffer) -> Result<(), BackendError> {
+        let Self { cuts, uniforms, whole_light, offsets, .. } = self;
+        let written = WrittenCuts { lit: uniforms, starts: &cuts.texels, whole_light, offsets, lit_nodes };
+        self.run(gpu, kernel, written.bind(gpu))
     }
 
     fn run(&self, gpu: &GpuDevice, kernel: &Kernel, cuts: wgpu::BindGroup) -> Result<(), BackendError> {
-        let groups = self.stored.count.div_ceil(CUTS_PER_GROUP);
+        let groups = self.cuts.count.div_ceil(CUTS_PER_GROUP);
         kernel.run(gpu, &[cuts, self.tree.clone()], groups).map(drop)
     }
+}
+
+fn bytes_of_words(count: u32) -> u64 {
+    u64::from(count) * size_of::<u32>() as u64
 }
 
 /// A buffer of zeros; none can be empty.

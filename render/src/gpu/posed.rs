@@ -6,6 +6,7 @@ use crate::{
     light::implicit::{PosedLight, Sides},
 };
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Texels in a row, of which six belong to a vertex.
 const WIDTH: usize = 8192;
@@ -33,7 +34,8 @@ fn texels(light: &PosedLight, shows_environment: bool) -> Vec<[f32; 4]> {
         if !shows_environment {
             texels[4..].fill(Vec3::ZERO);
         }
-        texels.map(|texel| texel.extend(alpha))
+        texels.map(|texel| texel.extend(alpha).to_array())
     };
-    is_moved.iter().enumerate().flat_map(of_vertex).map(|texel| texel.to_array()).collect()
+    let each: Vec<[[f32; 4]; 6]> = is_moved.par_iter().enumerate().map(of_vertex).collect();
+    each.into_flattened()
 }

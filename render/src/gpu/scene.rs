@@ -19,9 +19,11 @@ use lapidary_core::{
     cut::packed::{NODES_PER_TEXEL, PackedCuts, TEXEL_BYTES, TEXTURE_WIDTH},
     dataset::Dataset,
     ground::Ground,
+    scene::Mesh,
     sources::IndirectBake,
     texture::UvSet,
 };
+use rayon::prelude::*;
 
 /// Of the diagonal of the scene: nearer than that nothing is drawn.
 const NEAR: f32 = 1e-5;
@@ -56,12 +58,21 @@ pub struct GpuGround {
 pub struct GpuCuts {
     pub view: wgpu::TextureView,
     texture: wgpu::Texture,
-    /// First texel of each cut; vertices may share one.
-    pub starts: wgpu::Buffer,
+    /// Those that are stored.
+    pub stored: CutStarts,
+    /// Those that a pose replaces them with.
+    pub others: CutStarts,
+    /// Number of texels of the stored ones, which come first.
+    pub stored_texels: u32,
+}
+
+/// Where some cuts begin; vertices may share one.
+#[derive(Clone)]
+pub struct CutStarts {
+    /// First texel of each.
+    pub texels: wgpu::Buffer,
     /// Number of cuts.
     pub count: u32,
-    /// Number of texels of all cuts.
-    pub texels: u32,
 }
 
 /// Cuts over surface sources.
@@ -102,16 +113,30 @@ impl GpuScene {
 }
 
 impl GpuScene {
-    /// Moves the vertices to where `posed` has them, with its visibility cuts. All else of it is what was uploaded.
+    /// Moves the vertices from where they were uploaded to where `posed` has them, with its visibility cuts. All else of it is what
+    /// was uploaded.
     ///
     /// # Errors
     /// Cuts beyond the adapter's limits.
-    pub fn pose(&mut self, gpu: &GpuDevice, posed: &Dataset) -> Result<(), BackendError> {
-        gpu.queue.write_buffer(&self.vertices, 0, bytemuck::cast_slice(&vertices(posed)));
+    pub fn pose(&mut self, gpu: &GpuDevice, uploaded: &Dataset, posed: &Dataset) -> Result<(), BackendError> {
+        self.upload_vertices(gpu, posed, &posed_vertices(uploaded, posed));
         self.cuts = replaced_cuts(gpu, &posed.cuts, &self.cuts)?;
         let bounds = posed.scene.mesh.bounds();
         (self.bounds, self.near) = (bounds, NEAR * bounds.diagonal());
         Ok(())
+    }
+
+    /// Uploads some vertices, those near each other at once.
+    fn upload_vertices(&self, gpu: &GpuDevice, dataset: &Dataset, vertices: &[u32]) {
+        for run in vertices.chunk_by(|&a, &b| b - a <= VERTICES_BETWEEN_WRITES) {
+            let (first, last) = (run[0], run[run.len() - 1]);
+            let values: Vec<Vertex> = (first..=last).map(|v| vertex(dataset, v as usize)).collect();
+            gpu.queue.write_buffer(
+                &self.vertices,
+                u64::from(first) * size_of::<Vertex>() as u64,
+                bytemuck::cast_slice(&values),
+            );
+        }
     }
 
     /// Gives the triangles of `dataset` the materials that `appearance` assigns.
@@ -130,10 +155,29 @@ fn source_cuts(gpu: &GpuDevice, bake: &IndirectBake) -> Result<SourceCuts, Backe
     Ok(SourceCuts { cuts: upload_cuts(gpu, &bake.cuts)?, tree_height: bake.sources.len().ilog2() })
 }
 
+/// Most vertices between two that change where both are written at once: as many as take as long as another write.
+const VERTICES_BETWEEN_WRITES: u32 = 64;
+
+/// Vertices that a pose moves, or whose cut it replaces.
+fn posed_vertices(before: &Dataset, posed: &Dataset) -> Vec<u32> {
+    let (was, is) = (&before.scene.mesh, &posed.scene.mesh);
+    let changes = |&vertex: &u32| {
+        let v = vertex as usize;
+        let place = |mesh: &Mesh| (mesh.positions[v], mesh.normals[v], mesh.tangents[v]);
+        let [cut_before, cut] = [before, posed].map(|dataset| dataset.cuts.offsets()[v]);
+        place(was) != place(is) || cut_before != cut || posed.cuts.is_replaced(vertex)
+    };
+    (0..is.positions.len() as u32).filter(changes).collect()
+}
+
 fn vertices(dataset: &Dataset) -> Vec<Vertex> {
+    (0..dataset.scene.mesh.positions.len()).into_par_iter().map(|v| vertex(dataset, v)).collect()
+}
+
+fn vertex(dataset: &Dataset, v: usize) -> Vertex {
     let mesh = &dataset.scene.mesh;
     let (height, counted) = visibility_cuts(dataset);
-    let vertex = |v: usize| Vertex {
+    Vertex {
         position: mesh.positions[v].to_array(),
         cut_offset: dataset.cuts.offsets()[v],
         normal: mesh.normals[v].to_array(),
@@ -145,8 +189,7 @@ fn vertices(dataset: &Dataset) -> Vec<Vertex> {
         source_cut_offset: dataset.indirect.as_ref().map_or(0, |bake| bake.cuts.offsets()[v]),
         second_uv: mesh.uv_set(UvSet::Second)[v].to_array(),
         color: packed_color(mesh.colors.get(v).copied().unwrap_or(Vec3::ONE)),
-    };
-    (0..mesh.positions.len()).map(vertex).collect()
+    }
 }
 
 /// A color as fractions of 16 bits.
@@ -171,18 +214,19 @@ fn upload_cuts(gpu: &GpuDevice, cuts: &PackedCuts) -> Result<GpuCuts, BackendErr
     let spare = others.len().div_ceil(ROW_NODES) as u32;
     let texture = cut_texture(gpu, "visibility cuts", (rows + spare).min(gpu.limits.max_texture_dimension_2d));
     write_cut_rows(gpu, &texture, 0, [stored, others]);
-    Ok(GpuCuts::of(gpu, texture, cuts))
+    Ok(GpuCuts::of(gpu, texture, cuts, CutStarts::of(gpu, cuts, false)))
 }
 
 /// Cuts of which those stored are in the texture of `before`. Where it has too few rows for the others, all are uploaded.
 fn replaced_cuts(gpu: &GpuDevice, cuts: &PackedCuts, before: &GpuCuts) -> Result<GpuCuts, BackendError> {
     let [stored, others] = cuts.parts();
     if rows_within_limits(gpu, stored.len() + others.len())? > before.texture.height() {
-        return upload_cuts(gpu, cuts);
+        // Vertices may return to any cut that is stored.
+        return Ok(GpuCuts { stored: before.stored.clone(), ..upload_cuts(gpu, cuts)? });
     }
     let first = stored.len() / ROW_NODES;
     write_cut_rows(gpu, &before.texture, first as u32, [&stored[first * ROW_NODES..], others]);
-    Ok(GpuCuts::of(gpu, before.texture.clone(), cuts))
+    Ok(GpuCuts::of(gpu, before.texture.clone(), cuts, before.stored.clone()))
 }
 
 /// Rows of a texture for so many nodes.
@@ -194,21 +238,30 @@ fn rows_within_limits(gpu: &GpuDevice, nodes: usize) -> Result<u32, BackendError
 }
 
 impl GpuCuts {
-    fn of(gpu: &GpuDevice, texture: wgpu::Texture, cuts: &PackedCuts) -> Self {
-        let mut starts = cuts.offsets().to_vec();
-        starts.sort_unstable();
-        starts.dedup();
-        let count = starts.len() as u32;
-        // Buffers cannot be empty.
-        starts.resize(starts.len().max(1), 0);
-        let nodes: usize = cuts.parts().map(<[u16]>::len).iter().sum();
+    fn of(gpu: &GpuDevice, texture: wgpu::Texture, cuts: &PackedCuts, stored: CutStarts) -> Self {
+        let [stored_nodes, _] = cuts.parts();
         Self {
             view: texture.create_view(&Default::default()),
             texture,
-            starts: storage(gpu, "first texels of cuts", bytemuck::cast_slice(&starts)),
-            count,
-            texels: (nodes / NODES_PER_TEXEL) as u32,
+            stored,
+            others: CutStarts::of(gpu, cuts, true),
+            stored_texels: (stored_nodes.len() / NODES_PER_TEXEL) as u32,
         }
+    }
+
+    /// Texels that there is room for.
+    pub fn most_texels(&self) -> u32 {
+        self.texture.width() * self.texture.height()
+    }
+}
+
+impl CutStarts {
+    fn of(gpu: &GpuDevice, cuts: &PackedCuts, replaced: bool) -> Self {
+        let mut starts = cuts.starts(replaced);
+        let count = starts.len() as u32;
+        // Buffers cannot be empty.
+        starts.resize(starts.len().max(1), 0);
+        Self { texels: storage(gpu, "first texels of cuts", bytemuck::cast_slice(&starts)), count }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::light::{mirrored_map::MirroredMap, tree_light::TreeLight};
 use glam::{Quat, Vec3};
 use lapidary_core::{
-    cut::lit::CutValues,
+    cut::{lit::CutValues, packed::PackedCuts},
     environment::{Environment, Sun, SunSettings},
     light_tree::{EnvironmentSampler, GridEnergy, LightTree, NodeLight},
     lights::{Emission, Light},
@@ -72,9 +72,9 @@ impl SceneLighting {
         Self::of(lights, NodeLight::distant(tree, leaf_radiance), tree.radii(), CutValues::Visibility, illum_cut)
     }
 
-    /// The same light for a scene in which some vertices have new visibility cuts.
-    pub fn with_replaced_cuts(&self, is_replaced: &[bool]) -> Self {
-        Self { lit: self.lit.with_replaced(is_replaced), ..self.clone() }
+    /// The same light for a scene in which some of the vertices' cuts are replaced.
+    pub fn with_replaced_cuts(&self, cuts: &PackedCuts) -> Self {
+        Self { lit: self.lit.with_replaced(cuts), ..self.clone() }
     }
 }
 

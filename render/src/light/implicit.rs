@@ -252,6 +252,7 @@ impl PoseRig {
     }
 
     /// Whether each vertex has a new cut: it moved, or an object that moved covered it.
+    #[cfg(test)]
     pub fn has_new_cut(&self) -> &[bool] {
         &self.has_new_cut
     }

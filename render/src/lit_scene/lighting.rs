@@ -32,7 +32,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
             let widened = sends.then(|| remark_on_widened_lobes(&self.situation.appearance)).flatten();
             self.remarks.replace(3, widened.into_iter().collect());
         }
-        if changes.poses || changes.environment || changes.gathering {
+        if changes.environment || changes.gathering {
             self.give_environment(look)?;
         }
         let local = match &before {
@@ -121,14 +121,10 @@ impl<B: Backend + ?Sized> LitScene<B> {
         stale
     }
 
-    /// Gives the renderer the environment's light for its visibility cuts.
+    /// Gives the renderer the environment's light.
     fn give_environment(&mut self, look: &Look) -> Result<(), BackendError> {
-        let Some(lighting) = self.situation.environment.clone() else { return Ok(()) };
-        let lighting = match self.pose_rigs.used().filter(|_| !self.situation.poses.is_empty()) {
-            Some(rig) => lighting.with_replaced_cuts(rig.lit(&self.situation).has_new_cut()).into(),
-            None => lighting,
-        };
-        let remarks = self.backend.set_light(&look.illumination, &lighting)?;
+        let Some(lighting) = &self.situation.environment else { return Ok(()) };
+        let remarks = self.backend.set_light(&look.illumination, lighting)?;
         self.remarks.replace(1, remarks);
         Ok(())
     }

@@ -82,7 +82,10 @@ impl Backend for GpuBackend {
     fn pose(&mut self, posed: &Baked) -> Result<(), BackendError> {
         let gpu = self.pipelines.gpu();
         let Some(mut loaded) = self.shown.scene.take() else { return Ok(()) };
-        loaded.scene.pose(gpu, &posed.dataset)?;
+        loaded.scene.pose(gpu, &loaded.baked.dataset, &posed.dataset)?;
+        if let Some((light, _)) = &mut self.shown.environment.light {
+            light.replace_cuts(gpu, &self.pipelines.passes.lit, &loaded.scene)?;
+        }
         (loaded.baked, loaded.rays, loaded.has_tried_rays) = (posed.clone(), None, false);
         self.shown.scene = Some(loaded);
         self.shown.forget_light();
