@@ -7,7 +7,7 @@
 use crate::{
     appearance::Appearance,
     baked::Baked,
-    device::Compute,
+    device::{Compute, DeviceCuts},
     error::BackendError,
     light::{
         environment::{Illumination, SceneLighting},
@@ -123,12 +123,13 @@ pub trait Backend: Send {
     /// A dataset larger than the adapter's limits; the previous scene is kept then.
     fn set_scene(&mut self, baked: &Baked) -> Result<(), BackendError>;
 
-    /// Poses the current scene: `posed` has other vertex positions, and other visibility cuts for the moved vertices. Materials and
-    /// the environment's light stay; set the local lights again before the next picture.
+    /// Poses the current scene: `posed` has other vertex positions, and other visibility cuts for the moved vertices, unless these are
+    /// on the device of [`Self::compute`], as `cuts`. Materials and the environment's light stay; set the local lights again before the
+    /// next picture.
     ///
     /// # Errors
     /// Cuts beyond the adapter's limits, or a lost device; a scene must then be set before the next picture.
-    fn pose(&mut self, posed: &Baked) -> Result<(), BackendError>;
+    fn pose(&mut self, posed: &Baked, cuts: Option<&DeviceCuts>) -> Result<(), BackendError>;
 
     /// Replaces the materials. Returns the changes made to fit them, in sentences.
     ///

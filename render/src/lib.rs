@@ -50,7 +50,7 @@ pub use cpu::{
     display::display_pixel,
     surface_layers::{NO_SURFACE, SurfaceLayers},
 };
-pub use device::SeenLight;
+pub use device::{DeviceCuts, SeenLight};
 pub use error::BackendError;
 pub use lapidary_core::image::{Region, RegionError};
 pub use light::{

@@ -5,6 +5,8 @@ mod lighting;
 mod pose_rigs;
 mod posing;
 
+#[cfg(test)]
+use crate::device::Compute;
 use crate::{
     Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Posing, Post,
     RenderStats, SceneLighting, Stale, SurfaceLayers, Tier, View,
@@ -122,6 +124,13 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// earlier ones by as little.
     pub fn keep_unseen_changes(mut self) -> Self {
         self.keeps_unseen = true;
+        self
+    }
+
+    /// Computes beside the picture there, be it on an emulated device.
+    #[cfg(test)]
+    pub(crate) fn with_compute(mut self, compute: Compute) -> Self {
+        self.situation.compute = compute;
         self
     }
 

@@ -228,7 +228,7 @@ impl PackedCuts {
     #[must_use]
     pub fn with(&self, others: impl IntoIterator<Item = (u32, Vec<u16>)>) -> Self {
         let (mut nodes, mut offsets) = ((*self.others).clone(), (*self.offsets).clone());
-        let stored = (self.stored.len() / NODES_PER_TEXEL) as u32;
+        let stored = self.stored_texels();
         for (vertex, cut) in others {
             offsets[vertex as usize] = stored + append(&mut nodes, &cut);
         }
@@ -292,6 +292,11 @@ impl PackedCuts {
     /// First texel of each vertex.
     pub fn offsets(&self) -> &[u32] {
         &self.offsets
+    }
+
+    /// Texels of the stored cuts.
+    pub fn stored_texels(&self) -> u32 {
+        (self.stored.len() / NODES_PER_TEXEL) as u32
     }
 
     /// Whether there are replacements.

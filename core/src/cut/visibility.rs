@@ -34,12 +34,35 @@ impl CutCriterion {
         self.max_nodes as usize >= leaves && self.total_error.is_none()
     }
 
+    fn splits(&self, error: f32) -> bool {
+        error > self.sigma * self.sigma
+    }
+
+    /// The least squared error of a node of so many leaves that splits it, times the leaves, in units of 1 / [`OPEN`]².
+    pub fn least_split(&self, leaves: u32) -> u64 {
+        let all = u64::from(leaves) * u64::from(OPEN);
+        let (mut least, mut end) = (0, all * all + 1);
+        while least < end {
+            let middle = least.midpoint(end);
+            match self.splits(error_of(middle, leaves.into())) {
+                true => end = middle,
+                false => least = middle + 1,
+            }
+        }
+        least
+    }
+
     /// The criterion for leaves that each stand for `leaves` equal ones; it selects the same cuts.
     #[must_use]
     pub fn of_means(self, leaves: usize) -> Self {
         let scale = (leaves as f32).sqrt().recip();
         Self { sigma: self.sigma * scale, total_error: self.total_error.map(|error| error * scale), ..self }
     }
+}
+
+/// `|C| var` of a node of `leaves` leaves from so many times it, in units of 1 / [`OPEN`]².
+fn error_of(times_leaves: u64, leaves: u64) -> f32 {
+    (times_leaves as f64 / (leaves as f64 * UNIT * UNIT)) as f32
 }
 
 /// Selects cuts of functions on `2^height` leaves that are nearly all 0 or 1. Keeps its buffers between vertices.
@@ -103,11 +126,11 @@ impl CutSelector {
     /// `|C| var`: the squared error of a node.
     fn error(&self, node: usize) -> f32 {
         let ((sum, squares), size) = (self.moments(node), u64::from(self.size(node)));
-        ((size * squares - sum * sum) as f64 / (size as f64 * UNIT * UNIT)) as f32
+        error_of(size * squares - sum * sum, size)
     }
 
     fn exceeds_sigma(&self, node: usize) -> bool {
-        self.error(node) > self.criterion.sigma * self.criterion.sigma
+        self.criterion.splits(self.error(node))
     }
 
     /// Marks nodes for splitting, largest error first, until a bound holds.
@@ -275,6 +298,20 @@ mod tests {
         let error = CutSelector::new(height, criterion).select(leaves, &mut cut);
         assert_eq!(cut_len(height, &cut), Ok(cut.len()));
         (cut, error)
+    }
+
+    #[test]
+    fn nodes_split_from_the_least_error_in_whole_numbers_on() {
+        for (sigma, size) in [(2.0, 1024_u32), (0.25, 2048), (0.3, 2), (1.0, 64), (0.0, 8)] {
+            let criterion = CutCriterion { sigma, ..CutCriterion::default() };
+            let least = criterion.least_split(size);
+            let splits = |error: u64| criterion.splits(error_of(error, size.into()));
+            assert!(splits(least) && (least == 0 || !splits(least - 1)), "{sigma} and {size}");
+            let by_hand = f64::from(sigma).powi(2) * f64::from(size) * UNIT * UNIT;
+            assert!((least as f64 - by_hand).abs() <= 1.0 + 1e-7 * by_hand, "{least} and {by_hand}");
+        }
+        let never = CutCriterion { sigma: 1e9, ..CutCriterion::default() }.least_split(64);
+        assert!(never > (64 * 255_u64).pow(2) / 4, "more than any node has");
     }
 
     fn squared_error_leaf_by_leaf(height: u32, cut: &[u16], leaves: &[u8]) -> f64 {

@@ -56,6 +56,16 @@ impl VertexWeights {
         (0..self.rows.len()).into_par_iter().with_min_len(1024).map(|row| self.rows.product(row, leaves)).collect()
     }
 
+    /// Number of receivers.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there are no receivers.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     /// The leaves of a receiver with weights that sum to one.
     pub fn row(&self, receiver: usize) -> &[(u32, f32)] {
         self.rows.row(receiver)

@@ -8,6 +8,7 @@ use crate::{
         picture::Picture,
         sketch::{Moved, Sketch},
     },
+    device::DeviceCuts,
     error::BackendError,
     light::{
         environment::{Illumination, SceneLighting},
@@ -178,7 +179,7 @@ impl Backend for CpuBackend {
         Ok(())
     }
 
-    fn pose(&mut self, posed: &Baked) -> Result<(), BackendError> {
+    fn pose(&mut self, posed: &Baked, _: Option<&DeviceCuts>) -> Result<(), BackendError> {
         if let Some(renderer) = self.renderer.take() {
             self.sketch.pose(&Moved::between(&renderer.dataset.scene.mesh, &posed.dataset.scene.mesh));
             self.renderer = Some(renderer.posed(posed.clone()));

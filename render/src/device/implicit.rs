@@ -1,12 +1,14 @@
 //! Implicit visibility on the GPU (Dong et al., *Interactive Global Illumination Using Implicit Visibility*, 2007): a surfel forest under
 //! one pose after another, what its leaves see, and their light. Twin of `lapidary_core::implicit`.
 //!
-//! Five kernels, each a dispatch over all leaves or all nodes: none waits for a level of the tree below. Nodes and bins have the bits of
+//! Its kernels are each a dispatch over all leaves, nodes or vertices: none waits for a level of the tree below. Nodes and bins have the bits of
 //! the twin where the adapter rounds as IEEE 754 says; light differs by the order of sums.
 
+mod cuts;
 mod forest;
 mod light;
 
+pub use cuts::{CutRequest, CutTables, DeviceCuts};
 pub use forest::GpuForest;
 pub use light::SeenLight;
 
@@ -14,7 +16,10 @@ use super::{
     adapter::GpuDevice,
     compute::SharedDevice,
     kernel::Kernel,
-    kernels::{IMPLICIT_BOUNCE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE, IMPLICIT_WALK},
+    kernels::{
+        IMPLICIT_BOUNCE, IMPLICIT_CUTS_COUNT, IMPLICIT_CUTS_WRITE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE,
+        IMPLICIT_WALK,
+    },
 };
 use crate::error::BackendError;
 use lapidary_core::implicit::{BinLayout, forest::SurfelForest};
@@ -34,6 +39,8 @@ struct Kernels {
     walk: Arc<Kernel>,
     pull: Arc<Kernel>,
     bounce: Arc<Kernel>,
+    cuts_count: Arc<Kernel>,
+    cuts_write: Arc<Kernel>,
 }
 
 /// How long the last work of each kind took, with the wait for it.
@@ -61,6 +68,8 @@ impl GpuImplicit {
             walk: device.kernel(&IMPLICIT_WALK)?,
             pull: device.kernel(&IMPLICIT_PULL)?,
             bounce: device.kernel(&IMPLICIT_BOUNCE)?,
+            cuts_count: device.kernel(&IMPLICIT_CUTS_COUNT)?,
+            cuts_write: device.kernel(&IMPLICIT_CUTS_WRITE)?,
         };
         Ok(Self { gpu: (*device.gpu).clone(), kernels })
     }

@@ -72,6 +72,26 @@ bind_groups! {
         light: Written,
     }
 
+    /// The sky that leaves see beside vertices.
+    SkyBeside {
+        cuts: Uniform,
+        discs: Storage,
+        views: Storage,
+        directions: Storage,
+        beside: Storage,
+        open: Storage,
+        cut_vertices: Storage,
+    }
+
+    /// Cuts of vertices as they are counted.
+    CountedOthers { starts: Written, counts: Written }
+
+    /// Cuts of vertices as they are written.
+    WrittenOthers { starts: Storage, texels: Written }
+
+    /// Vertices that get cuts.
+    ReplacedCuts { cut_vertices: Storage, starts: Storage, counts: Storage, vertices: Written }
+
     /// A level of functions.
     FunctionLevel { level: Uniform, parent_starts: Storage, parents: Storage, states: Written, slots: Storage }
 
@@ -138,6 +158,28 @@ pub const IMPLICIT_BOUNCE: KernelProgram = KernelProgram::new(
     &[Gathered::LAYOUT],
 );
 
+/// What kernels of cuts from bins begin with.
+const CUTS_OF_BINS: &[&str] = &["slice", "ordered", "forest", "hemisphere", "cut_vertex", "implicit_cuts"];
+
+/// How many nodes cuts from bins have. Twin of `NewCuts::of_bins` in render/src/light/implicit/cuts.rs.
+pub const IMPLICIT_CUTS_COUNT: KernelProgram = KernelProgram::new(
+    "implicit_cuts_count_kernel",
+    [CUTS_OF_BINS, &["implicit_cuts_count_kernel"]],
+    &[SkyBeside::LAYOUT, CountedOthers::LAYOUT],
+);
+/// The nodes of cuts from bins. Its twin is the same.
+pub const IMPLICIT_CUTS_WRITE: KernelProgram = KernelProgram::new(
+    "implicit_cuts_write_kernel",
+    [CUTS_OF_BINS, &["implicit_cuts_write_kernel"]],
+    &[SkyBeside::LAYOUT, WrittenOthers::LAYOUT],
+);
+/// Vertices with these cuts.
+pub const REPLACED_CUTS: KernelProgram = KernelProgram::new(
+    "replaced_cuts_kernel",
+    [&["slice", "cut_vertex"], &["replaced_cuts_kernel"]],
+    &[ReplacedCuts::LAYOUT],
+);
+
 /// What kernels that list the functions of a level begin with.
 const LISTS: &[&str] = &["slice", "radiosity_level", "prefix_sums"];
 /// What they read and write.
@@ -179,12 +221,15 @@ pub const LIT_WRITE: KernelProgram =
 
 /// Those that run in slices.
 #[cfg(test)]
-pub const SLICED: [KernelProgram; 12] = [
+pub const SLICED: [KernelProgram; 15] = [
     IMPLICIT_UPDATE,
     IMPLICIT_NODES,
     IMPLICIT_WALK,
     IMPLICIT_PULL,
     IMPLICIT_BOUNCE,
+    IMPLICIT_CUTS_COUNT,
+    IMPLICIT_CUTS_WRITE,
+    REPLACED_CUTS,
     RADIOSITY_COUNT,
     RADIOSITY_SCAN,
     RADIOSITY_WRITE,

@@ -283,6 +283,38 @@ pub struct WalkUniforms {
     pub padding: u32,
 }
 
+/// `CutUniforms` of `implicit_cuts.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct CutUniforms {
+    /// The least squared errors by depth, with low and high word, each padded to 16 bytes.
+    pub least: [[u32; 4]; 12],
+    /// Cosine and sine.
+    pub turn: [f32; 2],
+    pub side: u32,
+    pub height: u32,
+    pub first_texel: u32,
+    pub padding: u32,
+    pub more_padding: [u32; 2],
+}
+
+/// `LeafBeside` of `implicit_cuts.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LeafBeside {
+    pub leaf: u32,
+    pub weight: f32,
+}
+
+/// `CutVertex` of `cut_vertex.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct CutVertex {
+    pub number: u32,
+    pub first: u32,
+    pub end: u32,
+}
+
 /// `LightUniforms` of `leaf_light.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -466,6 +498,8 @@ pub mod constants {
     pub const BACKGROUND_MAP: u32 = 0;
     pub const BACKGROUND_FLAT: u32 = 1;
     pub const TWO_SIDED: u32 = 1 << 31;
+    /// A vertex that moved, among those that get cuts.
+    pub const MOVED: u32 = 1 << 31;
     pub const READS_SECOND_UVS: u32 = 1;
     pub const READS_VERTEX_COLORS: u32 = 2;
     pub const FIELD_NONE: u32 = 0;

@@ -4,7 +4,8 @@ use super::posed;
 use crate::{
     appearance::Appearance,
     device::{
-        GpuDevice,
+        DeviceCuts, GpuDevice, Kernel,
+        kernels::ReplacedCuts,
         layout::{Triangle, Vertex, constants::TWO_SIDED},
         storage,
     },
@@ -45,6 +46,8 @@ pub struct GpuScene {
     pub near: f32,
     /// Of the whole mesh but its ground.
     pub bounds: Bounds,
+    /// Vertices with cuts that were made on the device.
+    on_device: Vec<u32>,
 }
 
 /// The ground, whose triangles are the last ones.
@@ -108,6 +111,7 @@ impl GpuScene {
             leaf_solid_angle: dataset.tree.leaf_solid_angle(),
             near: NEAR * mesh.bounds().diagonal(),
             bounds: mesh.bounds(),
+            on_device: Vec::new(),
         })
     }
 }
@@ -119,10 +123,25 @@ impl GpuScene {
     /// # Errors
     /// Cuts beyond the adapter's limits.
     pub fn pose(&mut self, gpu: &GpuDevice, uploaded: &Dataset, posed: &Dataset) -> Result<(), BackendError> {
+        let with_other_cuts = std::mem::take(&mut self.on_device);
+        self.upload_vertices(gpu, posed, &with_other_cuts);
         self.upload_vertices(gpu, posed, &posed_vertices(uploaded, posed));
         self.cuts = replaced_cuts(gpu, &posed.cuts, &self.cuts)?;
         let bounds = posed.scene.mesh.bounds();
         (self.bounds, self.near) = (bounds, NEAR * bounds.diagonal());
+        Ok(())
+    }
+
+    /// Replaces the cuts of some vertices by those that were made on the device.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn take_cuts(&mut self, gpu: &GpuDevice, kernel: &Kernel, cuts: &DeviceCuts) -> Result<(), BackendError> {
+        let DeviceCuts { vertices, cut_vertices, starts, counts, .. } = cuts;
+        let replaced = ReplacedCuts { cut_vertices, starts, counts, vertices: &self.vertices }.bind(gpu);
+        kernel.run(gpu, &[replaced], (vertices.len() as u32).div_ceil(VERTICES_PER_GROUP))?;
+        self.cuts = self.cuts.with_others(gpu, cuts);
+        self.on_device.clone_from(vertices);
         Ok(())
     }
 
@@ -154,6 +173,9 @@ impl GpuScene {
 fn source_cuts(gpu: &GpuDevice, bake: &IndirectBake) -> Result<SourceCuts, BackendError> {
     Ok(SourceCuts { cuts: upload_cuts(gpu, &bake.cuts)?, tree_height: bake.sources.len().ilog2() })
 }
+
+/// Invocations of a workgroup that replaces cuts.
+const VERTICES_PER_GROUP: u32 = 64;
 
 /// Most vertices between two that change where both are written at once: as many as take as long as another write.
 const VERTICES_BETWEEN_WRITES: u32 = 64;
@@ -239,13 +261,48 @@ fn rows_within_limits(gpu: &GpuDevice, nodes: usize) -> Result<u32, BackendError
 
 impl GpuCuts {
     fn of(gpu: &GpuDevice, texture: wgpu::Texture, cuts: &PackedCuts, stored: CutStarts) -> Self {
-        let [stored_nodes, _] = cuts.parts();
         Self {
             view: texture.create_view(&Default::default()),
             texture,
             stored,
             others: CutStarts::of(gpu, cuts, true),
-            stored_texels: (stored_nodes.len() / NODES_PER_TEXEL) as u32,
+            stored_texels: cuts.stored_texels(),
+        }
+    }
+
+    /// The stored cuts with others that were made on the device.
+    fn with_others(&self, gpu: &GpuDevice, cuts: &DeviceCuts) -> Self {
+        let &DeviceCuts { first_row, rows, .. } = cuts;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let texture = match first_row + rows <= self.texture.height() {
+            true => self.texture.clone(),
+            false => {
+                // The next pose may have longer cuts.
+                let most = gpu.limits.max_texture_dimension_2d;
+                let larger = cut_texture(gpu, "visibility cuts", (first_row + 2 * rows).min(most));
+                let stored = extent([TEXTURE_WIDTH as u32, self.stored_texels.div_ceil(TEXTURE_WIDTH as u32)]);
+                encoder.copy_texture_to_texture(self.texture.as_image_copy(), larger.as_image_copy(), stored);
+                larger
+            }
+        };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some((TEXTURE_WIDTH * TEXEL_BYTES) as u32),
+            rows_per_image: None,
+        };
+        let into = wgpu::TexelCopyTextureInfo {
+            origin: wgpu::Origin3d { x: 0, y: first_row, z: 0 },
+            ..texture.as_image_copy()
+        };
+        let from = wgpu::TexelCopyBufferInfo { buffer: &cuts.texels, layout };
+        encoder.copy_buffer_to_texture(from, into, extent([TEXTURE_WIDTH as u32, rows]));
+        gpu.queue.submit([encoder.finish()]);
+        Self {
+            view: texture.create_view(&Default::default()),
+            texture,
+            stored: self.stored.clone(),
+            others: CutStarts { texels: cuts.starts.clone(), count: cuts.vertices.len() as u32 },
+            stored_texels: self.stored_texels,
         }
     }
 
@@ -314,7 +371,7 @@ fn cut_texture(gpu: &GpuDevice, label: &str, rows: u32) -> wgpu::Texture {
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: wgpu::TextureFormat::Rgba32Uint,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
     })
 }

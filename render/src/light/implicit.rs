@@ -15,7 +15,7 @@ mod vertices;
 
 use crate::{
     baked::Baked,
-    device::{Compute, SeenLight},
+    device::{Compute, DeviceCuts, SeenLight},
     light::{
         bounce::LitPoints,
         situation::{Changes, Relight, Situation},
@@ -23,6 +23,7 @@ use crate::{
     },
 };
 use covered::{Covered, Open};
+use cuts::NewCuts;
 use detail::ImplicitDetail;
 use glam::{Vec3, Vec3A};
 use gloss::{Gloss, Received, SeenLeaves};
@@ -229,16 +230,23 @@ impl PoseRig {
         }
     }
 
-    /// The scene in the rig's pose, with the new visibility cuts.
-    pub fn with_cuts(&mut self, scene: &Baked) -> Baked {
+    /// The scene in the rig's pose, with the new visibility cuts; or as it is, and the new cuts on the device that saw them.
+    pub fn with_cuts(&mut self, scene: &Baked) -> (Baked, Option<DeviceCuts>) {
         let forest = self.posed.forest.discs();
-        let renewed: Vec<u32> =
-            (0..self.has_new_cut.len() as u32).filter(|&vertex| self.has_new_cut[vertex as usize]).collect();
-        let views = self.posed.sight.views(forest, self.vertices.span(&renewed));
-        let open =
-            |vertex: u32, leaf: u32| if self.is_moved[vertex as usize] { 1.0 } else { self.posed.open.leaf(leaf) };
-        let cuts = cuts::of_bins(&scene.dataset, (forest, &views), &self.vertices, renewed, open);
-        scene.clone().with_cuts(cuts)
+        let vertices = (0..self.has_new_cut.len() as u32).filter(|&vertex| self.has_new_cut[vertex as usize]);
+        let new = NewCuts {
+            dataset: &scene.dataset,
+            beside: &self.vertices,
+            vertices: vertices.collect(),
+            is_moved: &self.is_moved,
+            open: self.posed.open.leaves(),
+        };
+        if let Some(cuts) = self.posed.sight.cuts(forest, &new) {
+            return (scene.clone(), Some(cuts));
+        }
+        let views = self.posed.sight.views(forest, self.vertices.span(&new.vertices));
+        let cuts = new.of_bins(forest, &views);
+        (scene.clone().with_cuts(cuts), None)
     }
 
     /// Whether any surface is glossy, so that its light depends on the eye.

@@ -27,14 +27,14 @@ impl<B: Backend + ?Sized> LitScene<B> {
     /// added.
     pub(super) fn give_pose(&mut self) -> Result<(), BackendError> {
         let situation = &self.situation;
-        let posed = match situation.poses.is_empty() {
-            true => situation.scene.clone(),
+        let (posed, cuts) = match situation.poses.is_empty() {
+            true => (situation.scene.clone(), None),
             false => {
                 let rig = self.pose_rigs.at(self.detail, &self.baked, &situation.compute);
                 rig.lit(situation).with_cuts(&situation.scene)
             }
         };
-        self.backend.pose(&posed).inspect_err(|_| self.pose_rigs = PoseRigs::default())?;
+        self.backend.pose(&posed, cuts.as_ref()).inspect_err(|_| self.pose_rigs = PoseRigs::default())?;
         self.is_posed = true;
         self.forget_pictures();
         Ok(())

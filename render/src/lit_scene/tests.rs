@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    Appearance, Components, CpuBackend, Illumination, PictureStats, STRIDES, Solution, Tiles,
+    Appearance, Components, CpuBackend, DeviceCuts, Illumination, PictureStats, STRIDES, Solution, Tiles,
     test_looks::look,
     test_scenes::{from_above, illumination, linked_floor_and_wall, rel_rmse},
 };
@@ -150,7 +150,7 @@ impl Backend for Counting {
         Ok(())
     }
 
-    fn pose(&mut self, _: &Baked) -> Result<(), BackendError> {
+    fn pose(&mut self, _: &Baked, _: Option<&DeviceCuts>) -> Result<(), BackendError> {
         Ok(())
     }
 

@@ -116,7 +116,7 @@ mod tests {
     use super::*;
     use lapidary_core::test_scenes::dataset;
     use lapidary_render::{
-        Appearance, BrdfSampling, Illumination, LocalLighting, PictureStats, Post, SceneLighting, View,
+        Appearance, BrdfSampling, DeviceCuts, Illumination, LocalLighting, PictureStats, Post, SceneLighting, View,
         test_looks::plain_look,
     };
     use std::{ops::Range, sync::Arc};
@@ -135,7 +135,7 @@ mod tests {
             if self.has_room { Ok(()) } else { Err(BackendError::Driver("out of memory".into())) }
         }
 
-        fn pose(&mut self, _: &Baked) -> Result<(), BackendError> {
+        fn pose(&mut self, _: &Baked, _: Option<&DeviceCuts>) -> Result<(), BackendError> {
             Ok(())
         }
 

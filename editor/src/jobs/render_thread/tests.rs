@@ -8,8 +8,8 @@ use fake::{Fake, Log, Shared};
 use glam::Vec3;
 use lapidary_core::{lights::Light, material::Material, scene::pose::Pose, test_scenes};
 use lapidary_render::{
-    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, Illumination, LitScene, Post,
-    Remedy, STRIDES, Solution, Tiles, View, share_of_lattice, test_looks::plain_look,
+    Appearance, Backend, BackendError, Baked, BrdfSampling, Components, CpuBackend, DeviceCuts, Illumination, LitScene,
+    Post, Remedy, STRIDES, Solution, Tiles, View, share_of_lattice, test_looks::plain_look,
 };
 use lapidary_studies::jobs::testing::{silent, wait_for};
 use std::ops::Range;
@@ -87,6 +87,25 @@ fn a_coarse_picture_comes_first_and_all_samples_of_all_pixels_follow_once() {
         assert_eq!(rows, (0..130).collect::<Vec<_>>(), "sample {sample}");
     }
     assert!(log.displays <= 2 + 4 + 3, "at 1, 2, 4 and 5 samples, and once for each lattice");
+}
+
+#[test]
+fn a_picture_that_is_done_in_time_is_made_without_lattices() {
+    let (log, mut thread) = start(Log::default());
+    let mut moved = RenderRequest { frame_budget_ms: 1e4, ..request(1) };
+    thread.request(moved.clone());
+    complete(&mut thread);
+    let strides = |log: &Shared| std::mem::take(&mut log.lock().unwrap().sketched).into_iter().map(|step| step.0);
+    assert!(strides(&log).any(|stride| stride == STRIDES[0]), "the first one tells how long it takes");
+    moved.look.view.camera.eye.x = 3.0;
+    thread.request(moved.clone());
+    let first = wait_for("a picture", || thread.frames());
+    assert!(first.full_size && first.samples == 1, "it is shown whole");
+    assert!(strides(&log).all(|stride| stride == 1));
+    moved.look.view.camera.eye.x = 4.0;
+    thread.request(RenderRequest { frame_budget_ms: 0.0, ..moved });
+    complete(&mut thread);
+    assert!(strides(&log).any(|stride| stride == STRIDES[0]), "negative control: there is no time");
 }
 
 #[test]

@@ -353,7 +353,7 @@ fn posed_objects_are_looked_up_where_they_were_and_where_they_are() {
     let mut dragged = lit(&baked.dataset);
     let mut last = sketched(&mut dragged, &view(), STRIDES[3]);
     for posed in [at(0.1, 0.0), at(0.4, 20.0), at(5.0, 0.0), at(0.0, 0.0)] {
-        dragged.pose(&posed).unwrap();
+        dragged.pose(&posed, None).unwrap();
         let stale = dragged.sketch.stale.iter().filter(|stale| **stale).count();
         assert!(stale > 0 && stale < 150 * 110 / 2, "{stale} pixels look again");
         let now = relit(&mut dragged, &posed);

@@ -283,14 +283,22 @@ fn walks_of_an_open_scene_see_the_sky_as_the_twin_does() {
 }
 
 /// What a rig shows of some poses, one after another: its cuts, and the light.
-fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<u16>, PosedLight)> {
+fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<Vec<u16>>, PosedLight)> {
     let mut rig = Edited::new(baked, PoseRig::new(baked, compute, ImplicitDetail::OF_A_DRAG));
     rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
     let show = |poses| {
         rig.situation.eye = Vec3::new(0.0, 1.5, 3.5);
         rig.set_poses(baked, poses);
         let scene = rig.situation.scene.clone();
-        (rig.with_cuts(&scene).dataset.cuts.nodes().to_vec(), rig.light(2, true))
+        let (scene, made) = rig.with_cuts(&scene);
+        let cuts = match (compute, made) {
+            (Compute::Device(device), Some(made)) => scene.dataset.cuts.with(made.read(&device.gpu).unwrap()),
+            (Compute::Cores, None) => scene.dataset.cuts.clone(),
+            _ => panic!("cuts are made where visibility is"),
+        };
+        let height = scene.dataset.tree.height();
+        let cuts = (0..cuts.len() as u32).map(|vertex| cuts.cut(height, vertex).to_vec());
+        (cuts.collect(), rig.light(2, true))
     };
     poses.iter().map(show).collect()
 }

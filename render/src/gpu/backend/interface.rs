@@ -7,7 +7,7 @@ use crate::{
     appearance::{Appearance, same_assignment},
     backend::{Backend, PictureStats, ShadedSamples},
     baked::Baked,
-    device::{Compute, storage},
+    device::{Compute, DeviceCuts, kernels::REPLACED_CUTS, storage},
     error::BackendError,
     gpu::{
         frame::in_mirrors,
@@ -79,10 +79,14 @@ impl Backend for GpuBackend {
         Ok(())
     }
 
-    fn pose(&mut self, posed: &Baked) -> Result<(), BackendError> {
+    fn pose(&mut self, posed: &Baked, cuts: Option<&DeviceCuts>) -> Result<(), BackendError> {
         let gpu = self.pipelines.gpu();
         let Some(mut loaded) = self.shown.scene.take() else { return Ok(()) };
         loaded.scene.pose(gpu, &loaded.baked.dataset, &posed.dataset)?;
+        if let Some(cuts) = cuts {
+            let kernel = self.pipelines.device.kernel(&REPLACED_CUTS)?;
+            loaded.scene.take_cuts(gpu, &kernel, cuts)?;
+        }
         if let Some((light, _)) = &mut self.shown.environment.light {
             light.replace_cuts(gpu, &self.pipelines.passes.lit, &loaded.scene)?;
         }

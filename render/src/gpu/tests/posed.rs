@@ -1,8 +1,9 @@
 //! Pictures of posed objects on the GPU, against those of the CPU.
 
-use super::twin::backend;
+use super::twin::{another, backend};
 use crate::{
-    Backend, Baked, Components, CpuBackend, LitScene, Look, Solution,
+    Backend, Baked, Components, CpuBackend, Illumination, LitScene, Look, Solution,
+    device::Compute,
     gpu::GpuBackend,
     light::implicit::tests::{blocked, posed, sky},
     test_scenes::{from_above, linked_floor_and_wall, point_light, rel_rmse, white},
@@ -47,6 +48,35 @@ fn posed_objects_look_the_same_on_both_renderers_and_as_baked_when_they_are_back
     assert!(same < 0.05 && other > 5.0 * same, "{same}, negative control {other}");
     let (same, other) = (rel_rmse(&gpu[2], &cpu[2]), rel_rmse(&gpu[1], &cpu[2]));
     assert!(same < 0.05 && other > 5.0 * same, "without the environment: {same}, negative control {other}");
+}
+
+#[test]
+fn cuts_made_on_the_device_look_as_those_of_the_cores() {
+    let Some((_one, gpu)) = backend() else { return };
+    let baked = Baked::from(blocked(white(), 12));
+    let as_baked = Look {
+        components: Components { environment: true, ..Components::NONE },
+        ..Look::under_environment(&baked.dataset.scene, from_above(48), sky())
+    };
+    let at = |translate| Look { poses: posed(Pose { translate, ..Pose::AS_BAKED }), ..as_baked.clone() };
+    let turned =
+        |look: Look| Look { illumination: Illumination { rotation: 1.0, ..look.illumination.clone() }, ..look };
+    let (first, second) = (Vec3::new(0.6, -0.3, 0.3), Vec3::new(-0.5, -0.2, 0.1));
+    let looks =
+        [at(first), at(second), as_baked.clone(), turned(at(second)), turned(at(first)), turned(as_baked.clone())];
+    let device = Compute::Device(gpu.device().clone());
+    let [on_device, on_cores] = [(gpu, device), (another(), Compute::Cores)].map(|(gpu, compute)| {
+        let mut scene = LitScene::<dyn Backend>::new(Box::new(gpu), baked.clone()).unwrap().with_compute(compute);
+        looks.iter().map(|look| scene.show_whole(look).unwrap().image).collect::<Vec<Image>>()
+    });
+    for (step, (device, cores)) in on_device.iter().zip(&on_cores).enumerate() {
+        assert!(rel_rmse(device, cores) < 1e-4, "step {step}: {}", rel_rmse(device, cores));
+    }
+    assert!(on_device[0] != on_device[1] && on_device[1] != on_device[3], "negative control: poses and lights differ");
+    let [cpu, _] = on_both(another(), &baked, &looks);
+    for (step, (device, cpu)) in on_device.iter().zip(&cpu).enumerate() {
+        assert!(rel_rmse(device, cpu) < 0.01, "step {step}: {}", rel_rmse(device, cpu));
+    }
 }
 
 #[test]

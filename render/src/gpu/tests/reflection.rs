@@ -245,6 +245,9 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
             ),
         ),
         ("Cell", shape!(lapidary_core::meshless::Cell, place, level, first, count, padding)),
+        ("CutUniforms", shape!(layout::CutUniforms, least, turn, side, height, first_texel, padding, more_padding)),
+        ("LeafBeside", shape!(layout::LeafBeside, leaf, weight)),
+        ("CutVertex", shape!(layout::CutVertex, number, first, end)),
         ("BasisFunction", shape!(layout::BasisFunction, position, normal)),
         ("LitQuad", shape!(layout::LitQuad, corner, first, square_u, side, square_v, cells, frame)),
         ("Coefficient", shape!(layout::Coefficient, vector)),
@@ -273,8 +276,8 @@ fn shared_structs_have_the_same_members_offsets_and_sizes() {
     assert!(shape_in(&modules, "FrameUniforms").iter().all(|shape| *shape != moved));
 }
 
-/// Types of buffers without a struct of their own: radii, patches, stops of a color scale, the table of sRGB, areas.
-const PLAIN: [&str; 8] = [
+/// Types of buffers without a struct of their own: radii, patches, stops of a color scale, the table of sRGB, areas, counts, texels.
+const PLAIN: [&str; 10] = [
     "array<Float32>",
     "array<Uint32>",
     "array<vec2<Uint32>>",
@@ -282,6 +285,8 @@ const PLAIN: [&str; 8] = [
     "array<vec4<Float32>, 16>",
     "array<vec4<Float32>, 64>",
     "array<vec4<Uint32>, 256>",
+    "array<vec4<Uint32>>",
+    "array<atomic<Uint32>>",
     "atomic<Uint32>",
 ];
 
@@ -299,6 +304,7 @@ fn held_by(module: &Module, buffer: naga::Handle<naga::Type>, held: &mut Vec<Str
             let element = match &module.types[*base].inner {
                 TypeInner::Scalar(scalar) => words(scalar),
                 TypeInner::Vector { size, scalar } => format!("vec{}<{}>", *size as u32, words(scalar)),
+                TypeInner::Atomic(scalar) => format!("atomic<{}>", words(scalar)),
                 other => format!("{other:?}"),
             };
             held.push(match size {

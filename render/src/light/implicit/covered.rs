@@ -150,9 +150,9 @@ pub struct Open {
 }
 
 impl Open {
-    /// Open share of a leaf, 0 to 1.
-    pub fn leaf(&self, leaf: u32) -> f32 {
-        self.leaves[leaf as usize]
+    /// Open share of each leaf, 0 to 1.
+    pub fn leaves(&self) -> &[f32] {
+        &self.leaves
     }
 
     /// Values at the vertices from the open leaves' values. Covered vertices are dark.

@@ -3,9 +3,9 @@
 use super::vertices::VertexLeaves;
 use glam::Vec3;
 use lapidary_core::{
-    cut::{CutSelector, packed::PackedCuts},
+    cut::{CutCriterion, CutSelector, packed::PackedCuts},
     dataset::Dataset,
-    implicit::{EMPTY, Views, disc_forest::DiscForest},
+    implicit::{BinLayout, EMPTY, Views, disc_forest::DiscForest},
     ray::OPEN,
 };
 use rayon::prelude::*;
@@ -13,6 +13,20 @@ use std::collections::HashMap;
 
 /// Least number of directions per bin.
 const DIRECTIONS_OF_A_BIN: usize = 4;
+
+/// Vertices that get new cuts, and what of the leaves beside them counts.
+pub struct NewCuts<'a> {
+    /// The dataset with its cuts as baked.
+    pub dataset: &'a Dataset,
+    /// The leaves beside all vertices.
+    pub beside: &'a VertexLeaves,
+    /// Those that get cuts, in ascending order.
+    pub vertices: Vec<u32>,
+    /// Whether each vertex of the scene moved; then all of its leaves count.
+    pub is_moved: &'a [bool],
+    /// Open share of each leaf for other vertices, 0 to 1.
+    pub open: &'a [f32],
+}
 
 /// Visibility of one leaf along each direction.
 struct Sight {
@@ -22,39 +36,50 @@ struct Sight {
     above: Vec<f32>,
 }
 
-/// The cuts of a dataset, with new ones for the vertices in `renewed`. `open` tells how much of a leaf counts for a
-/// vertex: 0 to 1, by vertex and leaf.
-pub fn of_bins(
-    dataset: &Dataset,
-    (forest, views): (&DiscForest, &Views),
-    vertices: &VertexLeaves,
-    renewed: Vec<u32>,
-    open: impl Fn(u32, u32) -> f32 + Sync,
-) -> PackedCuts {
-    let tree = &dataset.tree;
-    let nodes = (DIRECTIONS_OF_A_BIN * views.layout().cells.len()).next_power_of_two().min(tree.len());
-    let directions: Vec<Vec3> =
-        (nodes..2 * nodes).map(|node| tree.mean_directions()[node].normalize_or_zero()).collect();
-    let mut leaves: Vec<u32> = renewed.iter().flat_map(|&vertex| vertices.of(vertex)).map(|(leaf, _)| leaf).collect();
-    leaves.sort_unstable();
-    leaves.dedup();
-    let sight = |&leaf: &u32| (leaf, sight(forest, views, leaf, &directions));
-    let sights: HashMap<u32, Sight> = leaves.par_iter().map(sight).collect();
-    let criterion = dataset.settings.criterion.of_means(tree.len() / nodes);
-    let buffers = || (CutSelector::new(nodes.ilog2(), criterion), [vec![0.0; nodes], vec![0.0; nodes]]);
-    let select = |(selector, sums): &mut (CutSelector, [Vec<f32>; 2]), &vertex: &u32| {
-        sums.iter_mut().for_each(|sum| sum.fill(0.0));
-        for (leaf, weight) in vertices.of(vertex) {
-            sights[&leaf].add_to(sums, weight * open(vertex, leaf));
-        }
-        let [sky, above] = &*sums;
-        let shares: Vec<u8> = sky.iter().zip(above).map(|(sky, above)| share_of_sky(*sky, *above)).collect();
-        let mut cut = Vec::new();
-        selector.select(&shares, &mut cut);
-        cut
-    };
-    let cuts: Vec<Vec<u16>> = renewed.par_iter().map_init(buffers, select).collect();
-    dataset.cuts.with(renewed.into_iter().zip(cuts))
+impl NewCuts<'_> {
+    /// Directions that stand for the leaves of the tree below equal nodes of it.
+    pub fn directions(&self, layout: BinLayout) -> Vec<Vec3> {
+        let tree = &self.dataset.tree;
+        let nodes = (DIRECTIONS_OF_A_BIN * layout.cells.len()).next_power_of_two().min(tree.len());
+        (nodes..2 * nodes).map(|node| tree.mean_directions()[node].normalize_or_zero()).collect()
+    }
+
+    /// When a node over so many directions is fine enough.
+    pub fn criterion(&self, directions: usize) -> CutCriterion {
+        self.dataset.settings.criterion.of_means(self.dataset.tree.len() / directions)
+    }
+
+    /// Whether a vertex moved.
+    pub fn is_moved(&self, vertex: u32) -> bool {
+        self.is_moved[vertex as usize]
+    }
+
+    /// The cuts of the dataset, with new ones made on the cores. The twin on an adapter is `GpuForest::cuts`.
+    pub fn of_bins(self, forest: &DiscForest, views: &Views) -> PackedCuts {
+        let directions = self.directions(views.layout());
+        let beside = self.vertices.iter().flat_map(|&vertex| self.beside.of(vertex));
+        let mut leaves: Vec<u32> = beside.map(|(leaf, _)| leaf).collect();
+        leaves.sort_unstable();
+        leaves.dedup();
+        let sight = |&leaf: &u32| (leaf, sight(forest, views, leaf, &directions));
+        let sights: HashMap<u32, Sight> = leaves.par_iter().map(sight).collect();
+        let (nodes, criterion) = (directions.len(), self.criterion(directions.len()));
+        let buffers = || (CutSelector::new(nodes.ilog2(), criterion), [vec![0.0; nodes], vec![0.0; nodes]]);
+        let select = |(selector, sums): &mut (CutSelector, [Vec<f32>; 2]), &vertex: &u32| {
+            sums.iter_mut().for_each(|sum| sum.fill(0.0));
+            for (leaf, weight) in self.beside.of(vertex) {
+                let open = if self.is_moved(vertex) { 1.0 } else { self.open[leaf as usize] };
+                sights[&leaf].add_to(sums, weight * open);
+            }
+            let [sky, above] = &*sums;
+            let shares: Vec<u8> = sky.iter().zip(above).map(|(sky, above)| share_of_sky(*sky, *above)).collect();
+            let mut cut = Vec::new();
+            selector.select(&shares, &mut cut);
+            cut
+        };
+        let cuts: Vec<Vec<u16>> = self.vertices.par_iter().map_init(buffers, select).collect();
+        self.dataset.cuts.with(self.vertices.into_iter().zip(cuts))
+    }
 }
 
 fn sight(forest: &DiscForest, views: &Views, leaf: u32, directions: &[Vec3]) -> Sight {

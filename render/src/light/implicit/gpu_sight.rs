@@ -1,8 +1,11 @@
 //! [`LeafSight`] on an adapter. If the adapter fails, the cores take over.
 
-use super::seen::{CoreSight, LeafSight};
+use super::{
+    cuts::NewCuts,
+    seen::{CoreSight, LeafSight},
+};
 use crate::{
-    device::{GpuForest, GpuImplicit, SeenLight, SharedDevice},
+    device::{CutRequest, CutTables, DeviceCuts, GpuForest, GpuImplicit, SeenLight, SharedDevice},
     error::BackendError,
 };
 use glam::Vec3;
@@ -14,6 +17,9 @@ pub struct GpuSight {
     /// `None` after a failure.
     gpu: Option<GpuForest>,
     cores: CoreSight,
+    /// What stays of cuts; `None` before the first, and where they have to be made on the cores.
+    tables: Option<CutTables>,
+    layout: BinLayout,
 }
 
 impl GpuSight {
@@ -23,7 +29,7 @@ impl GpuSight {
             return None;
         }
         let gpu = GpuImplicit::on(device).and_then(|implicit| implicit.forest(forest, vertices, layout)).ok()?;
-        Some(Self { gpu: Some(gpu), cores: CoreSight::new(layout) })
+        Some(Self { gpu: Some(gpu), cores: CoreSight::new(layout), tables: None, layout })
     }
 
     /// Result from the adapter; `None` from its first failure on. The cores then recompute the adapter's last result.
@@ -57,6 +63,27 @@ impl LeafSight for GpuSight {
             Some(views) => Cow::Owned(views),
             None => self.cores.views(forest, leaves),
         }
+    }
+
+    fn cuts(&mut self, forest: &DiscForest, asked: &NewCuts) -> Option<DeviceCuts> {
+        let directions = asked.directions(self.layout);
+        let criterion = asked.criterion(directions.len());
+        if !criterion.is_local(directions.len()) || asked.vertices.is_empty() {
+            return None;
+        }
+        let height = directions.len().ilog2();
+        let least: Vec<u64> = (0..height).map(|depth| criterion.least_split(1 << (height - depth))).collect();
+        let vertices: Vec<_> = asked.vertices.iter().map(|&vertex| (vertex, asked.is_moved(vertex))).collect();
+        let stored_texels = asked.dataset.cuts.stored_texels();
+        let request = CutRequest { vertices: &vertices, open: asked.open, least: &least, stored_texels };
+        let known = self.tables.take();
+        let tables = known.or_else(|| {
+            let (beside, starts) = asked.beside.rows();
+            self.gpu.as_ref()?.cut_tables(&directions, &beside, starts)
+        })?;
+        let cuts = self.on_gpu(forest, |gpu| gpu.cuts(&tables, &request));
+        self.tables = Some(tables);
+        cuts.flatten()
     }
 
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight {

@@ -1,8 +1,8 @@
 //! Visibility of leaves and the light they receive, in one pose after another: on the cores here, on a graphics adapter in
 //! [`super::gpu_sight`].
 
-use super::gpu_sight::GpuSight;
-use crate::device::{Compute, SeenLight};
+use super::{cuts::NewCuts, gpu_sight::GpuSight};
+use crate::device::{Compute, DeviceCuts, SeenLight};
 use glam::Vec3;
 use lapidary_core::implicit::{
     BinLayout, Bins, Drag, LeafLight, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest,
@@ -17,6 +17,11 @@ pub trait LeafSight: Send {
 
     /// Visibility of at least these leaves. The forest must not have changed since the last look.
     fn views(&mut self, forest: &DiscForest, leaves: Range<u32>) -> Cow<'_, Views>;
+
+    /// New cuts made where visibility is; `None` if views have to tell. The forest must not have changed since the last look.
+    fn cuts(&mut self, _: &DiscForest, _: &NewCuts) -> Option<DeviceCuts> {
+        None
+    }
 
     /// Light of the leaves with `bounces` bounces. The forest must not have changed since the last look.
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight;

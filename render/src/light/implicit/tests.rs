@@ -291,7 +291,7 @@ fn a_drag_gives_the_bits_of_its_last_pose() {
     let shown = |rig: &mut Edited<PoseRig>, poses: &Poses| {
         rig.set_poses(&baked, poses);
         let scene = rig.situation.scene.clone();
-        let cuts = rig.with_cuts(&scene).dataset.cuts.clone();
+        let cuts = rig.with_cuts(&scene).0.dataset.cuts.clone();
         let height = baked.dataset.tree.height();
         let cuts: Vec<_> = (0..cuts.len() as u32).map(|vertex| cuts.cut(height, vertex).to_vec()).collect();
         (cuts, rig.light(2, false))

@@ -39,6 +39,16 @@ impl VertexLeaves {
         [&self.front, &self.back].into_iter().flat_map(move |side| side.row(vertex as usize)).copied()
     }
 
+    /// The leaves beside all vertices, one vertex after another, and where those of each begin and the last end.
+    pub fn rows(&self) -> (Vec<(u32, f32)>, Vec<u32>) {
+        let (mut leaves, mut starts) = (Vec::new(), vec![0]);
+        for vertex in 0..self.front.len() as u32 {
+            leaves.extend(self.of(vertex));
+            starts.push(leaves.len() as u32);
+        }
+        (leaves, starts)
+    }
+
     /// The leaves from the first to the last beside some vertices.
     pub fn span(&self, vertices: &[u32]) -> Range<u32> {
         let all = || vertices.iter().flat_map(|&vertex| self.of(vertex)).map(|(leaf, _)| leaf);

@@ -83,7 +83,7 @@ impl Backend for Fake {
         if log.refuse_scenes { Err(too_large) } else { Ok(()) }
     }
 
-    fn pose(&mut self, _: &Baked) -> Result<(), BackendError> {
+    fn pose(&mut self, _: &Baked, _: Option<&DeviceCuts>) -> Result<(), BackendError> {
         Ok(())
     }
 
