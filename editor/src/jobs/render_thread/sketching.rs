@@ -31,6 +31,11 @@ impl SketchPace {
         self.first.and(self.show).reduced_size(full, budget_ms)
     }
 
+    /// Whether a sample of all pixels, of which all parts have been measured so, is shown in `budget_ms`.
+    pub fn shows_whole(&self, sample: &Pace, pixels: u64, budget_ms: f32) -> bool {
+        sample.and(self.show).millis(pixels).is_some_and(|millis| millis <= f64::from(budget_ms))
+    }
+
     /// Pixels shaded in `millis` milliseconds.
     pub fn pixels_within(&self, millis: f64) -> u32 {
         self.finer.times_within(millis, 1.0).unwrap_or(0).min(u32::MAX as usize) as u32
@@ -51,13 +56,20 @@ pub struct Sketching {
     since: Instant,
     /// Complete lattices when it was last shown.
     shown: usize,
+    /// Whether all pixels are taken at once, without lattices.
+    is_whole: bool,
 }
 
 impl Sketching {
     /// For a picture of `size`, with the tiles near `place` first.
     pub fn new(size: [u32; 2], place: Vec2) -> Self {
         let order = Tiles::of(size).nearest_first(place);
-        Self { size, order, level: 0, done: 0, since: Instant::now(), shown: 0 }
+        Self { size, order, level: 0, done: 0, since: Instant::now(), shown: 0, is_whole: false }
+    }
+
+    /// The same picture without coarse lattices: all its pixels are done in time.
+    pub fn whole(self) -> Self {
+        Self { level: STRIDES.len() - 1, is_whole: true, ..self }
     }
 
     /// Pixels of the picture.
@@ -84,6 +96,9 @@ impl Sketching {
     pub fn next(&self, pace: &SketchPace, budget_ms: f32) -> (u32, &[u32]) {
         let stride = STRIDES[self.level];
         let left = &self.order[self.done..];
+        if self.is_whole {
+            return (stride, left);
+        }
         let pixels = self.share() * Tiles::MOST_PIXELS as f64;
         let threads = rayon::current_num_threads();
         let wanted = self.pace(pace).times_within(self.millis_left(pace, budget_ms), pixels).unwrap_or(0);
@@ -95,7 +110,9 @@ impl Sketching {
         let taken = &self.order[self.done..self.done + tiles];
         let pixels: u64 = taken.iter().map(|&tile| Tiles::of(self.size).region(tile).pixels()).sum();
         let slot = if self.level == 0 { &mut pace.first } else { &mut pace.finer };
-        slot.measured((pixels as f64 * self.share()).ceil() as u64, millis);
+        if !self.is_whole {
+            slot.measured((pixels as f64 * self.share()).ceil() as u64, millis);
+        }
         self.done += tiles;
         if self.done == self.order.len() {
             (self.level, self.done) = (self.level + 1, 0);
@@ -105,7 +122,7 @@ impl Sketching {
     /// Whether to show the picture now: first when `budget_ms` is spent, then once for each lattice.
     pub fn is_due(&self, pace: &SketchPace, budget_ms: f32) -> bool {
         match self.shown {
-            0 => self.level > 0 && !(self.millis_left(pace, budget_ms) > 0.0),
+            0 => self.level > 0 && !self.is_whole && !(self.millis_left(pace, budget_ms) > 0.0),
             shown => self.level > shown,
         }
     }
@@ -162,6 +179,23 @@ mod tests {
             assert_eq!(tiles, 8 * 5, "{stride}");
         }
         assert!(steps.windows(2).all(|s| s[1].0 <= s[0].0));
+    }
+
+    #[test]
+    fn without_lattices_all_pixels_are_taken_at_once() {
+        let mut pace = SketchPace::default();
+        pace.shown(1000, 0, 4.0);
+        let sample = |millis| {
+            let mut pace = Pace::default();
+            pace.measured(1000, millis);
+            pace
+        };
+        assert!(pace.shows_whole(&sample(5.9), 1000, 10.0) && !pace.shows_whole(&sample(6.1), 1000, 10.0));
+        assert!(!pace.shows_whole(&Pace::default(), 1000, 1e9), "an unknown speed is taken for slow");
+        let mut sketching = Sketching::new([500, 300], Vec2::splat(0.5)).whole();
+        assert!(!sketching.is_due(&pace, 0.0), "nothing to show");
+        assert_eq!(steps(&mut sketching, &mut pace), [(1, 8 * 5)]);
+        assert!(pace.first.millis(1).is_none() && pace.finer.millis(1).is_none(), "they tell nothing of lattices");
     }
 
     #[test]

@@ -480,6 +480,8 @@ impl Worker {
         let Some(scene) = &mut self.scene else { return Ok(()) };
         scene.resume(&view, request.look.sampling)?;
         let sketching = Sketching::new(size, request.pointer.unwrap_or(Vec2::splat(0.5)));
+        let shows_whole = self.sketch_pace.shows_whole(&self.band_pace, sketching.pixels(), self.budget_ms);
+        let sketching = if shows_whole { sketching.whole() } else { sketching };
         self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0, sketching, holes: 0 });
         self.wait_for_shaders()
     }
