@@ -23,8 +23,7 @@ pub fn control_name(setting: Setting) -> &'static str {
         Setting::Compression => "Wavelet threshold",
         Setting::Functions => "Functions",
         Setting::Resume => "Resume",
-        Setting::Device
-        | Setting::MaxCut
+        Setting::MaxCut
         | Setting::PilotClusters
         | Setting::SourceContrast
         | Setting::LargestSolidAngle

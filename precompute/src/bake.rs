@@ -71,7 +71,7 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
 /// [`bake`], with the environment's visibility traced by `devices` if given. Datasets differ only for rays along edges.
 ///
 /// # Errors
-/// See [`bake`], and [`BakeError::Device`].
+/// See [`bake`]. A device that fails is none: the processor goes on, with a warning.
 pub fn bake_on(
     scene: Scene,
     job: &BakeJob,
@@ -261,7 +261,7 @@ impl<'a> Begun<'a> {
         let observer = clock.observer;
         let kept = checkpoint.series(Series::Environment, Places::of_scene());
         let seen = bake_environment(&geometry, &tree, &settings, audit, devices, &kept, &mut clock)?;
-        let tracing = Tracing { lights_per_probe: seen.lights_per_probe(), devices };
+        let tracing = Tracing { lights_per_probe: seen.lights_per_probe(), devices, observer };
         let bounces = bake_bounces(&geometry, &quads, &tree, &settings, tracing, &checkpoint, &mut clock)?;
         observer.event(Event::Started { phase: Phase::Pack, total: 0, unit: "bytes" });
         let packing = Instant::now();

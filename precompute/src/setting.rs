@@ -53,8 +53,6 @@ pub enum Setting {
     SenderLevel,
     /// Threshold of compression of wavelet transport.
     Compression,
-    /// Device that traces rays.
-    Device,
     /// Whether to resume an interrupted bake.
     Resume,
 }
@@ -87,7 +85,6 @@ impl Setting {
             Self::ObjectLevels => "object levels",
             Self::SenderLevel => "sender level",
             Self::Compression => "compression",
-            Self::Device => "device",
             Self::Resume => "resume",
         }
     }

@@ -34,6 +34,11 @@ pub enum Warning {
         /// The first of these files.
         path: PathBuf,
     },
+    /// A graphics adapter did not trace, or stopped.
+    DeviceFailed {
+        /// The adapter and why.
+        reason: String,
+    },
     /// Cuts were coarsened to fit a texture.
     Coarsened {
         /// The leaves of the cuts.
@@ -99,6 +104,7 @@ impl Warning {
                 "the folder of the checkpoint stays, because this is not part of a checkpoint; move it elsewhere ({})",
                 path.display()
             ),
+            Self::DeviceFailed { reason } => format!("the processor traces rays in place of {reason}"),
             Self::Coarsened { leaves, bound, asked, fitted } => format!(
                 "the cuts over the {leaves} exceed a texture and were coarsened to a {} of {fitted:.2} instead of {asked}; \
                  lower {} to keep it",

@@ -62,17 +62,25 @@ impl BackendError {
 
     /// Says that the CPU renders in place of an adapter, and why; `None` for an error that the CPU would have, too.
     pub fn cpu_instead(&self, adapter: &str, wording: Wording) -> Option<String> {
+        Some(format!("the CPU renders in place of {}", self.of_adapter(adapter, wording)?))
+    }
+
+    /// The adapter, and why it will not do; `None` for an error that the CPU would have, too.
+    pub fn of_adapter(&self, adapter: &str, wording: Wording) -> Option<String> {
         let why = match self {
             Self::Pose(_) => return None,
             Self::DeviceLost { reason } => format!("its device was lost ({reason}); update its driver"),
             Self::NoAdapter { reason } | Self::Driver(reason) => {
                 format!("the graphics driver failed ({reason}); update it")
             }
+            Self::Limit { what, needed, limit, unit, remedy: Remedy::Cpu, .. } => {
+                format!("{what} need {needed} {unit}, but it allows {limit}")
+            }
             Self::Limit { what, needed, limit, unit, remedy, .. } => {
                 format!("{what} need {needed} {unit}, but it allows {limit}; {}", wording(*remedy))
             }
         };
-        Some(format!("the CPU renders in place of \"{adapter}\": {why}"))
+        Some(format!("\"{adapter}\": {why}"))
     }
 }
 

@@ -32,8 +32,6 @@ pub enum BakeError {
     Lock(#[from] LockError),
     /// The checkpoint cannot be used or written.
     Checkpoint(#[from] CheckpointError),
-    /// The graphics device failed.
-    Device(String),
     /// The shards form no dataset.
     Shard(#[from] ShardError),
     /// The output path is not writable.
@@ -88,10 +86,6 @@ impl BakeError {
             Self::Settings(error) => error.text(name),
             Self::Lock(error) => error.to_string(),
             Self::Checkpoint(error) => error.text(name),
-            Self::Device(reason) => format!(
-                "the graphics device cannot trace the rays of the bake: {reason}; bake with {} cpu",
-                name(Setting::Device)
-            ),
             Self::Shard(error) => error.to_string(),
             Self::Output(error) => error.to_string(),
             Self::Dataset(error) => error.to_string(),

@@ -30,7 +30,7 @@ pub fn sample_pilot(
     clusters: usize,
     observer: &dyn Observer,
 ) -> Result<PilotVisibility, BakeError> {
-    let rows = |points: &[&BakePoint]| sampler.each(points, || (), |(), visible, _| visible.to_vec());
+    let rows = |points: &[&BakePoint]| Ok(sampler.each(points, || (), |(), visible, _| visible.to_vec()));
     pilot_of(points, diagonal, sampler.len(), clusters, observer, rows)
 }
 
@@ -103,8 +103,8 @@ mod tests {
         let scene = scene_of(&triangles);
         let points = BakePoints::new(&scene.mesh, &classify(&scene));
         let intersector = Intersector::new(&scene.mesh);
-        let tracing = Tracing { lights_per_probe: EXHAUSTIVE, devices: None };
-        let sampler = ManySampler::new(&intersector, &fibonacci_directions(256), tracing).unwrap();
+        let tracing = Tracing { lights_per_probe: EXHAUSTIVE, devices: None, observer: &Silent };
+        let sampler = ManySampler::new(&intersector, &fibonacci_directions(256), tracing);
         let pilot = sample_pilot(&points, &sampler, 4.0, 4, &Silent).unwrap();
         assert_eq!((pilot.clusters(), pilot.fractions.len()), (4, 1024));
         // Every cluster sees some lights and none sees all; the floor's light comes from above.

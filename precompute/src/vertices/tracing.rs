@@ -5,10 +5,14 @@ use super::{
     side::Side,
     visibility::{EXHAUSTIVE, Veils, VisibilitySampler},
 };
-use crate::errors::BakeError;
+use crate::{
+    observer::{Event, Observer},
+    warning::Warning,
+};
 use glam::Vec3;
 use lapidary_core::ray::{BoundarySet, BoundaryTracer, Intersector, OPEN, RayDevice, RayDevices, RayOrigin};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Tracing method and device.
 #[derive(Clone, Copy)]
@@ -17,20 +21,24 @@ pub struct Tracing<'a> {
     pub lights_per_probe: usize,
     /// Devices that trace instead of the cores. Results differ only for rays along edges.
     pub devices: Option<&'a dyn RayDevices>,
+    /// Learns of a device that fails.
+    pub observer: &'a dyn Observer,
 }
 
-/// Cores or device.
-pub enum ManySampler<'a> {
-    /// The cores.
-    Cores(VisibilitySampler<'a>),
-    /// A device.
-    Device(DeviceSampler<'a>),
+/// Traces from many points: on a device if there is one, and on the cores where it fails.
+pub struct ManySampler<'a> {
+    scene: &'a Intersector,
+    directions: Vec<Vec3>,
+    lights_per_probe: usize,
+    device: Option<DeviceSampler<'a>>,
+    /// Made where the cores trace.
+    cores: OnceLock<VisibilitySampler<'a>>,
+    observer: &'a dyn Observer,
 }
 
 /// A scene on a device, which traces every light.
-pub struct DeviceSampler<'a> {
+struct DeviceSampler<'a> {
     device: Box<dyn RayDevice>,
-    directions: Vec<Vec3>,
     /// Boundaries to follow in the traced light, so that the device sees no more than the cores would; `None` uses all light.
     boundaries: Option<BoundarySet>,
     /// Thin surfaces, which the device lacks.
@@ -39,90 +47,114 @@ pub struct DeviceSampler<'a> {
 
 impl<'a> ManySampler<'a> {
     /// For any unit directions in the given order.
-    ///
-    /// # Errors
-    /// A device error.
-    pub fn new(scene: &'a Intersector, directions: &[Vec3], tracing: Tracing) -> Result<Self, BakeError> {
-        let device = match tracing.devices {
-            Some(devices) => devices.device(scene, directions).map_err(BakeError::Device)?,
-            None => None,
+    pub fn new(scene: &'a Intersector, directions: &[Vec3], tracing: Tracing<'a>) -> Self {
+        let Tracing { lights_per_probe, devices, observer } = tracing;
+        let mut sampler = Self {
+            scene,
+            directions: directions.to_vec(),
+            lights_per_probe,
+            device: None,
+            cores: OnceLock::new(),
+            observer,
         };
-        let per_probe = tracing.lights_per_probe;
-        Ok(match device {
-            None => Self::Cores(VisibilitySampler::of_directions(scene, directions, per_probe)),
-            Some(device) => Self::Device(DeviceSampler {
-                device,
-                directions: directions.to_vec(),
-                boundaries: (per_probe != EXHAUSTIVE).then(|| BoundarySet::new(directions, per_probe)),
-                veils: Veils::new(scene, directions),
-            }),
-        })
+        match devices.map_or(Ok(None), |devices| devices.device(scene, directions)) {
+            Ok(device) => sampler.device = device.map(|device| DeviceSampler::new(device, &sampler)),
+            Err(reason) => sampler.go_on_with_cores(reason),
+        }
+        sampler
     }
 
     /// Number of directions.
     pub fn len(&self) -> usize {
-        match self {
-            Self::Cores(sampler) => sampler.len(),
-            Self::Device(sampler) => sampler.directions.len(),
-        }
+        self.directions.len()
+    }
+
+    /// The device, unless it failed.
+    fn device(&self) -> Option<&DeviceSampler<'a>> {
+        self.device.as_ref().filter(|_| self.cores.get().is_none())
     }
 
     /// Whether a device traces.
     pub fn is_on_device(&self) -> bool {
-        matches!(self, Self::Device(_))
+        self.device().is_some()
+    }
+
+    /// Says why a device does not trace any more.
+    fn go_on_with_cores(&self, reason: String) {
+        self.cores();
+        self.observer.event(Event::Warning { message: Warning::DeviceFailed { reason } });
+    }
+
+    fn cores(&self) -> &VisibilitySampler<'a> {
+        let make = || VisibilitySampler::of_directions(self.scene, &self.directions, self.lights_per_probe);
+        self.cores.get_or_init(make)
     }
 
     /// Applies `make` to the visibility of each point, 0 to [`OPEN`] for each direction, and to its traced rays: on all cores, in
     /// point order. `scratch` creates buffers that are reused.
-    ///
-    /// # Errors
-    /// A device error.
     pub fn each<S, T: Send>(
         &self,
         points: &[&BakePoint],
         scratch: impl Fn() -> S + Sync + Send,
         make: impl Fn(&mut S, &[u8], u64) -> T + Sync + Send,
-    ) -> Result<Vec<T>, BakeError> {
+    ) -> Vec<T> {
         let scratch = || (BoundaryTracer::default(), vec![0; self.len()], scratch());
         type Buffers<S> = (BoundaryTracer, Vec<u8>, S);
-        match self {
-            Self::Cores(sampler) => {
-                let one = |(tracer, visible, scratch): &mut Buffers<S>, point: &&BakePoint| {
-                    let rays = sampler.sample(point, tracer, visible);
-                    make(scratch, visible, rays)
-                };
-                Ok(points.par_iter().map_init(scratch, one).collect())
-            }
-            Self::Device(sampler) => {
-                let traced = sampler.trace(points)?;
-                let one = |(tracer, visible, scratch): &mut Buffers<S>, (point, rows): (&&BakePoint, &Vec<&[u32]>)| {
-                    let rays = sampler.sample(point, rows, tracer, visible);
-                    make(scratch, visible, rays)
-                };
-                let rows = sampler.rows(&traced, points);
-                Ok(points.par_iter().zip(&rows).map_init(scratch, one).collect())
+        if let Some(device) = self.device() {
+            match device.trace(points) {
+                Ok(traced) => {
+                    let one = |(tracer, visible, scratch): &mut Buffers<S>,
+                               (point, rows): (&&BakePoint, &Vec<&[u32]>)| {
+                        let rays = device.sample(point, (rows, &self.directions), tracer, visible);
+                        make(scratch, visible, rays)
+                    };
+                    let rows = device.rows(&traced, points, self.len());
+                    return points.par_iter().zip(&rows).map_init(scratch, one).collect();
+                }
+                Err(reason) => self.go_on_with_cores(reason),
             }
         }
+        let sampler = self.cores();
+        let one = |(tracer, visible, scratch): &mut Buffers<S>, point: &&BakePoint| {
+            let rays = sampler.sample(point, tracer, visible);
+            make(scratch, visible, rays)
+        };
+        points.par_iter().map_init(scratch, one).collect()
     }
 }
 
-impl DeviceSampler<'_> {
+impl<'a> DeviceSampler<'a> {
+    fn new(device: Box<dyn RayDevice>, of: &ManySampler<'a>) -> Self {
+        let (directions, per_probe) = (&of.directions, of.lights_per_probe);
+        Self {
+            device,
+            boundaries: (per_probe != EXHAUSTIVE).then(|| BoundarySet::new(directions, per_probe)),
+            veils: Veils::new(of.scene, directions),
+        }
+    }
+
     /// Words of visibility bits for each side of the points in order.
-    fn trace(&self, points: &[&BakePoint]) -> Result<Vec<u32>, BakeError> {
+    fn trace(&self, points: &[&BakePoint]) -> Result<Vec<u32>, String> {
         let at = |point: &BakePoint, side: Side| RayOrigin { origin: point.origin(side), half: point.half_of(side) };
         let of_point = |point: &&BakePoint| point.sides().iter().map(|&side| at(point, side)).collect::<Vec<_>>();
         let origins: Vec<RayOrigin> = points.iter().flat_map(of_point).collect();
-        self.device.open(&origins).map_err(BakeError::Device)
+        self.device.open(&origins)
     }
 
-    /// The words of each point's sides.
-    fn rows<'t>(&self, traced: &'t [u32], points: &[&BakePoint]) -> Vec<Vec<&'t [u32]>> {
-        let mut rows = traced.chunks(self.directions.len().div_ceil(32));
+    /// The words of each point's sides, with bits for so many directions.
+    fn rows<'t>(&self, traced: &'t [u32], points: &[&BakePoint], directions: usize) -> Vec<Vec<&'t [u32]>> {
+        let mut rows = traced.chunks(directions.div_ceil(32));
         points.iter().map(|point| rows.by_ref().take(point.sides().len()).collect()).collect()
     }
 
-    /// Sets `visible` from the words of a point's sides. Returns the traced rays.
-    fn sample(&self, point: &BakePoint, rows: &[&[u32]], tracer: &mut BoundaryTracer, visible: &mut [u8]) -> u64 {
+    /// Sets `visible` from the words of a point's sides for the directions. Returns the traced rays.
+    fn sample(
+        &self,
+        point: &BakePoint,
+        (rows, directions): (&[&[u32]], &[Vec3]),
+        tracer: &mut BoundaryTracer,
+        visible: &mut [u8],
+    ) -> u64 {
         visible.fill(0);
         for (&side, open) in point.sides().iter().zip(rows) {
             match &self.boundaries {
@@ -135,7 +167,7 @@ impl DeviceSampler<'_> {
         }
         self.veils.dim(point, visible);
         let is_traced = |d: &&Vec3| point.sides().contains(&point.side_of(**d));
-        self.directions.iter().filter(is_traced).count() as u64
+        directions.iter().filter(is_traced).count() as u64
     }
 }
 
@@ -143,10 +175,15 @@ impl DeviceSampler<'_> {
 mod tests {
     use super::*;
     use crate::{
+        observer::Silent,
         test_scenes::{cuboid, floor, quad, scene_of},
         vertices::{points::BakePoints, sidedness::classify, visibility::FINEST},
     };
     use lapidary_core::{ray::DirectionSet, sphere::fibonacci_directions};
+    use std::sync::{
+        Mutex,
+        atomic::{AtomicU32, Ordering::Relaxed},
+    };
 
     /// A device emulated by this machine, with one scene.
     struct Emulated;
@@ -195,13 +232,13 @@ mod tests {
         let intersector = Intersector::new(&scene.mesh);
         let directions = fibonacci_directions(512);
         let sampler = |directions: &[Vec3], lights_per_probe, devices| {
-            ManySampler::new(&intersector, directions, Tracing { lights_per_probe, devices })
+            ManySampler::new(&intersector, directions, Tracing { lights_per_probe, devices, observer: &Silent })
         };
         let devices: Option<&dyn RayDevices> = Some(&Emulated);
         let seen = |lights_per_probe, devices| {
-            let sampler = sampler(&directions, lights_per_probe, devices).unwrap();
+            let sampler = sampler(&directions, lights_per_probe, devices);
             assert_eq!(sampler.is_on_device(), devices.is_some());
-            sampler.each(&points, || (), |(), visible, rays| (visible.to_vec(), rays)).unwrap()
+            sampler.each(&points, || (), |(), visible, rays| (visible.to_vec(), rays))
         };
         let all = seen(EXHAUSTIVE, None);
         assert!(all == seen(EXHAUSTIVE, devices));
@@ -211,8 +248,58 @@ mod tests {
             assert!(visible(seen(lights_per_probe, None)) == visible(seen(lights_per_probe, devices)));
         }
         assert!(visible(seen(128, devices)) != visible(all), "negative control: both miss the same");
-        let refused = sampler(&[], EXHAUSTIVE, devices);
-        assert!(matches!(refused.err(), Some(BakeError::Device(reason)) if reason == "no room"));
-        assert!(!sampler(&directions[..1], EXHAUSTIVE, devices).unwrap().is_on_device(), "the cores trace it");
+        assert!(!sampler(&directions[..1], EXHAUSTIVE, devices).is_on_device(), "the cores trace it");
+    }
+    /// A device without room, or one that is lost at its second piece of work.
+    struct Failing {
+        has_room: bool,
+    }
+
+    struct Lost(Taken, AtomicU32);
+
+    impl RayDevices for Failing {
+        fn device(&self, _: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String> {
+            let taken = Taken(Intersector::new(&scene().mesh), DirectionSet::new(directions));
+            if self.has_room { Ok(Some(Box::new(Lost(taken, AtomicU32::new(0))))) } else { Err("no room".into()) }
+        }
+    }
+
+    impl RayDevice for Lost {
+        fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String> {
+            if self.1.fetch_add(1, Relaxed) == 0 { self.0.open(origins) } else { Err("unplugged".into()) }
+        }
+    }
+
+    /// The warnings that it got.
+    #[derive(Default)]
+    struct Told(Mutex<Vec<String>>);
+
+    impl Observer for Told {
+        fn event(&self, event: Event) {
+            if let Event::Warning { message } = event {
+                self.0.lock().unwrap().push(message.to_string());
+            }
+        }
+    }
+
+    #[test]
+    fn the_cores_go_on_where_a_device_fails_and_say_so_once() {
+        let scene = scene();
+        let points = BakePoints::new(&scene.mesh, &classify(&scene)).points;
+        let points: Vec<&BakePoint> = points.iter().collect();
+        let intersector = Intersector::new(&scene.mesh);
+        let directions = fibonacci_directions(256);
+        for (has_room, reason) in [(true, "unplugged"), (false, "no room")] {
+            let (told, devices) = (Told::default(), Failing { has_room });
+            let tracing = |devices| Tracing { lights_per_probe: FINEST, devices, observer: &told };
+            let seen = |sampler: &ManySampler| sampler.each(&points, || (), |(), visible, _| visible.to_vec());
+            let failing = ManySampler::new(&intersector, &directions, tracing(Some(&devices)));
+            assert_eq!(failing.is_on_device(), has_room);
+            let cores = seen(&ManySampler::new(&intersector, &directions, tracing(None)));
+            assert!((0..3).all(|_| seen(&failing) == cores), "{reason}");
+            assert!(!failing.is_on_device());
+            let warnings = told.0.lock().unwrap();
+            assert!(warnings.len() == 1 && warnings[0].contains(reason), "{warnings:?}");
+        }
     }
 }

@@ -80,9 +80,14 @@ impl RayDevices for GpuRays {
         match self.scene(scene, directions) {
             Ok(scene) => Ok(Some(Box::new(scene))),
             Err(_) if !self.is_asked_for => Ok(None),
-            Err(error) => Err(error.to_string()),
+            Err(error) => Err(told(&self.gpu, &error)),
         }
     }
+}
+
+/// An adapter that will not do, and why.
+fn told(gpu: &GpuDevice, error: &BackendError) -> String {
+    error.of_adapter(&gpu.info.name, Remedy::words).unwrap_or_else(|| error.to_string())
 }
 
 /// The hierarchy of a scene, bound.
@@ -189,7 +194,7 @@ impl RayDevice for GpuRayScene {
     fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String> {
         let mut open = Vec::with_capacity(origins.len() * self.words);
         for some in origins.chunks(ORIGINS_AT_A_TIME) {
-            open.extend(self.trace(some).map_err(|error| error.to_string())?);
+            open.extend(self.trace(some).map_err(|error| told(&self.gpu, &error))?);
         }
         Ok(open)
     }

@@ -30,7 +30,6 @@ pub fn option_name(setting: Setting) -> &'static str {
         Setting::ObjectLevels => "--object-levels",
         Setting::SenderLevel => "--sender-level",
         Setting::Compression => "--tau",
-        Setting::Device => "--device",
         Setting::Resume => "--resume",
     }
 }

@@ -56,11 +56,11 @@ impl CutMaker for EnvironmentCuts<'_> {
     fn make(&self, points: Range<usize>) -> Result<Vec<MadeCut>, BakeError> {
         let points: Vec<&BakePoint> = self.points[points].iter().collect();
         let selector = || CutSelector::new(self.height, self.criterion);
-        self.sampler.each(&points, selector, |selector, visible, rays| {
+        Ok(self.sampler.each(&points, selector, |selector, visible, rays| {
             let mut cut = Vec::new();
             let squared_error = selector.select(visible, &mut cut);
             (cut, squared_error, rays)
-        })
+        }))
     }
 }
 

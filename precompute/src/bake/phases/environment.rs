@@ -54,14 +54,14 @@ pub fn bake_environment<'a>(
             None => audit_environment(points, &geometry.intersector, tree, settings, observer)?,
         };
         let lights_per_probe = audit.map_or(EXHAUSTIVE, |audit| audit.leaves_per_probe);
-        let tracing = Tracing { lights_per_probe, devices };
+        let tracing = Tracing { lights_per_probe, devices, observer };
         let maker = EnvironmentCuts {
             points,
-            sampler: ManySampler::new(&geometry.intersector, tree.leaf_directions(), tracing)?,
+            sampler: ManySampler::new(&geometry.intersector, tree.leaf_directions(), tracing),
             height: tree.height(),
             criterion: settings.criterion,
         };
-        let on_device = maker.sampler.is_on_device();
-        Ok(EnvironmentVisibility { cuts: bake_chunks(&maker, kept, observer)?, audit, on_device })
+        let cuts = bake_chunks(&maker, kept, observer)?;
+        Ok(EnvironmentVisibility { cuts, audit, on_device: maker.sampler.is_on_device() })
     })
 }

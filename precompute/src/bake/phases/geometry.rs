@@ -157,8 +157,8 @@ impl Geometry {
     ) -> Result<PilotVisibility, BakeError> {
         observer.event(Event::Started { phase: Phase::Pilot, total: clusters as u64, unit: "clusters" });
         let diagonal = self.scene.mesh.bounds().diagonal();
-        let tracing = Tracing { lights_per_probe: EXHAUSTIVE, devices: None };
-        let sampler = ManySampler::new(&self.intersector, directions, tracing)?;
+        let tracing = Tracing { lights_per_probe: EXHAUSTIVE, devices: None, observer };
+        let sampler = ManySampler::new(&self.intersector, directions, tracing);
         sample_pilot(&self.points, &sampler, diagonal, clusters, observer)
     }
 }

@@ -80,8 +80,8 @@ fn build_tree(
         clock.time(Phase::Pilot, clusters as u64, "clusters", || {
             // Uses the finest probes, because there is no audit yet. Missed light makes the tree slightly worse, and no cut wrong.
             let lights_per_probe = if settings.exhaustive { EXHAUSTIVE } else { FINEST };
-            let tracing = Tracing { lights_per_probe, devices };
-            let sampler = ManySampler::new(&geometry.intersector, &directions, tracing)?;
+            let tracing = Tracing { lights_per_probe, devices, observer };
+            let sampler = ManySampler::new(&geometry.intersector, &directions, tracing);
             sample_pilot(&geometry.points, &sampler, diagonal, clusters, observer)
         })?
     };

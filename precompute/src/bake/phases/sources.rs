@@ -113,7 +113,7 @@ impl Bouncing<'_> {
                 sources.iter().map(|s| BakePoint::of_surfel(s.surfel, self.surface.offset())).collect();
             let maker = EnvironmentCuts {
                 points: &points,
-                sampler: ManySampler::new(&self.geometry.intersector, self.tree.leaf_directions(), self.tracing)?,
+                sampler: ManySampler::new(&self.geometry.intersector, self.tree.leaf_directions(), self.tracing),
                 height: self.tree.height(),
                 criterion: self.settings.criterion,
             };
