@@ -3,6 +3,7 @@
 use super::{LightTree, means_up_the_tree};
 use crate::color::luminance;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// A tree of lights under one illumination; all arrays by heap index.
 #[derive(Clone, Debug)]
@@ -29,21 +30,22 @@ impl NodeLight {
         let luminances: Vec<f32> = leaf_radiance.iter().map(|&l| luminance(l)).collect();
         let squares: Vec<f32> = luminances.iter().map(|l| l * l).collect();
         let weighted: Vec<Vec3> = tree.leaf_directions().iter().zip(&luminances).map(|(&d, &l)| d * l).collect();
-        let (weighted, weight) = (means_up_the_tree(&weighted), means_up_the_tree(&luminances));
+        let of_directions = || (means_up_the_tree(&weighted), means_up_the_tree(&luminances));
+        let of_radiance = || (means_up_the_tree(leaf_radiance), means_up_the_tree(&squares));
+        let ((weighted, weight), (radiance, intensity_sq)) = rayon::join(of_directions, of_radiance);
         let leaf_inv_kappa = leaf_inv_kappa(tree.len());
-        let nodes = 0..2 * tree.len();
+        let nodes = (0..2 * tree.len()).into_par_iter().with_min_len(1024);
         let mean = |i: usize| {
             let plain = tree.mean_directions()[i];
             // Dark nodes contribute nothing; any direction inside them will do.
             if weight[i] > 0.0 { weighted[i] / weight[i] } else { plain }
         };
-        let radiance = means_up_the_tree(leaf_radiance);
         Self {
             intensity: radiance.iter().map(|&l| luminance(l)).collect(),
             radiance,
             place: nodes.clone().map(|i| mean(i).normalize_or(Vec3::Y)).collect(),
             spread: nodes.map(|i| inv_kappa(mean(i).length()) + leaf_inv_kappa).collect(),
-            intensity_sq: means_up_the_tree(&squares),
+            intensity_sq,
         }
     }
 }

@@ -82,7 +82,7 @@ impl EnvironmentSampler {
             let cells = &self.cells[self.starts[i] as usize..self.starts[i + 1] as usize];
             cells.iter().map(|&(cell, part)| cell_energy(cell) * part).sum::<Vec3>() * inv_solid_angle
         };
-        (0..self.lights).map(radiance).collect()
+        (0..self.lights).into_par_iter().with_min_len(256).map(radiance).collect()
     }
 
     /// Radiance of every leaf, in tree order, under `environment` turned by `rotation` radians and scaled.

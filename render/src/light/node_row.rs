@@ -6,6 +6,7 @@ use lapidary_core::{
     brdf::LobeMomentsX8,
     simd::{Lanes, Vec3x8},
 };
+use rayon::prelude::*;
 use wide::f32x8;
 
 /// Properties that a pixel reads of a summed node: 32 bytes, half a cache line.
@@ -52,7 +53,7 @@ impl NodeRow {
     pub fn of_all(places: &[Vec3], spreads: &[f32], radiance: &[Vec3]) -> Vec<Self> {
         let resultants = resultants(spreads);
         let row = |i| Self { place: places[i], spread: spreads[i], radiance: radiance[i], resultant: resultants[i] };
-        (0..places.len()).map(row).collect()
+        (0..places.len()).into_par_iter().with_min_len(1024).map(row).collect()
     }
 
     /// Gathers eight of `rows`.
@@ -96,5 +97,8 @@ fn resultants(inv_kappas: &[f32]) -> Vec<f32> {
         padded[..inv_kappas.len()].copy_from_slice(inv_kappas);
         LobeMomentsX8::new(f32x8::new(padded)).resultant().to_array()
     };
-    inv_kappas.chunks(8).flat_map(eight).take(inv_kappas.len()).collect()
+    let all: Vec<[f32; 8]> = inv_kappas.par_chunks(8).with_min_len(128).map(eight).collect();
+    let mut resultants = all.into_flattened();
+    resultants.truncate(inv_kappas.len());
+    resultants
 }
