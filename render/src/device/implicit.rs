@@ -18,7 +18,7 @@ use super::{
     kernel::Kernel,
     kernels::{
         IMPLICIT_BOUNCE, IMPLICIT_CUTS_COUNT, IMPLICIT_CUTS_WRITE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE,
-        IMPLICIT_WALK,
+        IMPLICIT_WALK, REPLACED_CUTS,
     },
 };
 use crate::error::BackendError;
@@ -62,6 +62,8 @@ impl GpuImplicit {
     /// # Errors
     /// A driver that refuses.
     pub fn on(device: &SharedDevice) -> Result<Self, BackendError> {
+        // Whoever takes the cuts does not wait for its compiler.
+        device.kernel(&REPLACED_CUTS)?;
         let kernels = Kernels {
             update: device.kernel(&IMPLICIT_UPDATE)?,
             nodes: device.kernel(&IMPLICIT_NODES)?,

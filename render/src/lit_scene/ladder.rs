@@ -92,7 +92,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.pose_rigs.is_made(self.drag_detail)
     }
 
-    fn prepare(&mut self, detail: ImplicitDetail) -> bool {
+    /// Starts to prepare a detail on a thread, unless another is being prepared. Returns whether it is there.
+    pub fn prepare(&mut self, detail: ImplicitDetail) -> bool {
         if self.check_objects().is_ok() {
             self.pose_rigs.prepare(detail, &self.baked, &self.situation.compute);
         }

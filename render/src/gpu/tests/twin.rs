@@ -68,8 +68,8 @@ pub(super) fn noise(i: u32) -> u8 {
 fn textures() -> Vec<Arc<Texture>> {
     let texture = |name: &str, size: [u32; 2], texels| Arc::new(Texture::new(name, size, texels));
     let codes = |n: u32| (0..n).map(|i| std::array::from_fn(|c| noise(4 * i + c as u32))).collect();
-    // At least 0.2, for roughness: lobes magnify what rounding does to directions by the inverse of their width.
-    let floats = |n: u32| (0..n).map(|i| [0.2 + 0.8 * f32::from(noise(i)) / 255.0; 4]).collect();
+    // At least 0.3, for roughness: lobes magnify what rounding does to directions by the inverse of their width.
+    let floats = |n: u32| (0..n).map(|i| [0.3 + 0.7 * f32::from(noise(i)) / 255.0; 4]).collect();
     vec![
         texture("codes", [7, 5], Texels::U8(codes(35))),
         texture("heights", [16, 16], Texels::F32(floats(256))),
