@@ -6,6 +6,7 @@ const LANES: u32 = 64u;
 const MOST_DIRECTIONS: u32 = 2048u;
 // Share of the sky in a direction where all leaves that face it see the sky.
 const OPEN: u32 = 255u;
+const LARGEST_CODE: f32 = 4095.0;
 // Of `square_from_disc` in core/src/sphere/concentric.rs (Abramowitz and Stegun, 4.4.49).
 const ARCTANGENT: array<f32, 8> = array(
     0.0028662257, -0.0161657367, 0.0429096138, -0.0752896400, 0.1065626393, -0.1420889944, 0.1999355085, -0.3333314528
@@ -45,11 +46,11 @@ struct LeafBeside {
 @group(1) @binding(6) var<storage, read> cut_vertices: array<CutVertex>;
 
 // Shares of the sky, four in a word.
-var<workgroup> shares: array<u32, 512>;
+var<workgroup> shares: array<u32, MOST_DIRECTIONS / 4u>;
 // Sums of the shares below a node, and of their products with what they lack of OPEN, at its first pair of directions.
-var<workgroup> sums: array<vec2<u32>, 1024>;
+var<workgroup> sums: array<vec2<u32>, MOST_DIRECTIONS / 2u>;
 // Whether a node is split, one bit each.
-var<workgroup> split: array<atomic<u32>, 64>;
+var<workgroup> split: array<atomic<u32>, MOST_DIRECTIONS / 32u>;
 
 fn select_cut(vertex: CutVertex, lane: u32) {
     let count = 1u << cuts.height;
@@ -60,21 +61,25 @@ fn select_cut(vertex: CutVertex, lane: u32) {
         }
         shares[word] = packed;
     }
-    atomicStore(&split[lane], 0u);
+    for (var word = lane; word < MOST_DIRECTIONS / 32u; word += LANES) {
+        atomicStore(&split[word], 0u);
+    }
     workgroupBarrier();
     for (var pair = lane; pair < count / 2u; pair += LANES) {
         let a = share_at(2u * pair);
         let b = share_at(2u * pair + 1u);
-        sums[pair] = vec2(a + b, a * (OPEN - a) + b * (OPEN - b));
-        split_if_coarse(count / 2u + pair, sums[pair]);
+        let halves = array(vec2(a, a * (OPEN - a)), vec2(b, b * (OPEN - b)));
+        split_if_coarse(count / 2u + pair, halves);
+        sums[pair] = halves[0] + halves[1];
     }
     for (var depth = cuts.height - 1u; depth > 0u; depth -= 1u) {
         workgroupBarrier();
         let nodes = 1u << (depth - 1u);
         let pairs = (count / 2u) / nodes;
         for (var i = lane; i < nodes; i += LANES) {
-            sums[pairs * i] += sums[pairs * i + pairs / 2u];
-            split_if_coarse(nodes + i, sums[pairs * i]);
+            let halves = array(sums[pairs * i], sums[pairs * i + pairs / 2u]);
+            split_if_coarse(nodes + i, halves);
+            sums[pairs * i] = halves[0] + halves[1];
         }
     }
     workgroupBarrier();
@@ -121,10 +126,16 @@ fn share_at(direction: u32) -> u32 {
     return (shares[direction / 4u] >> (8u * (direction % 4u))) & 255u;
 }
 
-// The squared error is taken in whole numbers, so that it decides as the twin does.
-fn split_if_coarse(node: u32, moments: vec2<u32>) {
+// The squared error is taken in whole numbers, so that it decides as the twin does. Halves that are stored as equal nodes are one.
+fn split_if_coarse(node: u32, halves: array<vec2<u32>, 2>) {
     let depth = firstLeadingBit(node);
     let log2_size = cuts.height - depth;
+    let moments = halves[0] + halves[1];
+    let half_size = 1u << (log2_size - 1u);
+    let are_whole = !is_split(2u * node) && !is_split(2u * node + 1u);
+    if are_whole && code_of(halves[0].x, half_size) == code_of(halves[1].x, half_size) {
+        return;
+    }
     let squares = moments.x * OPEN - moments.y;
     let scaled = vec2(squares << log2_size, squares >> (32u - log2_size));
     let error = wide_difference(scaled, wide_square(moments.x));
@@ -156,8 +167,17 @@ fn node_over(direction: u32) -> u32 {
     return node;
 }
 
+// The leaves of the tree are not.
 fn is_split(node: u32) -> bool {
+    if node >= (1u << cuts.height) {
+        return false;
+    }
     return ((atomicLoad(&split[node / 32u]) >> (node % 32u)) & 1u) != 0u;
+}
+
+// The mean of shares as it is stored. Twin of `quantize` in core/src/cut/packed.rs.
+fn code_of(sum: u32, size: u32) -> u32 {
+    return u32(f32(sum) / f32(OPEN * size) * LARGEST_CODE + 0.5);
 }
 
 // Its first direction.

@@ -4,12 +4,10 @@
 @group(2) @binding(0) var<storage, read> starts: array<u32>;
 @group(2) @binding(1) var<storage, read_write> texels: array<vec4<u32>>;
 
-const LARGEST_CODE: f32 = 4095.0;
-
 // Number of nodes of each invocation.
 var<workgroup> found: array<u32, LANES>;
 // Nodes of the cut, two in a word.
-var<workgroup> nodes: array<atomic<u32>, 1024>;
+var<workgroup> nodes: array<atomic<u32>, MOST_DIRECTIONS / 2u>;
 
 @compute @workgroup_size(64)
 fn write(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
@@ -50,6 +48,5 @@ fn packed(node: u32) -> u32 {
     for (var direction = first_of(node); direction < first_of(node) + size; direction += 1u) {
         sum += share_at(direction);
     }
-    let mean = f32(sum) / f32(OPEN * size);
-    return (firstLeadingBit(node) << 12u) | u32(mean * LARGEST_CODE + 0.5);
+    return (firstLeadingBit(node) << 12u) | code_of(sum, size);
 }

@@ -25,7 +25,13 @@ impl Observer for Remarks<'_> {
         if let Event::Warning { message } = &event
             && !message.is_about_resuming()
         {
-            self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_string());
+            let (mut warnings, text) =
+                (self.warnings.lock().unwrap_or_else(PoisonError::into_inner), message.to_string());
+            // A device that has no room says so in each phase.
+            if warnings.contains(&text) {
+                return;
+            }
+            warnings.push(text);
         }
         self.observer.event(event);
     }

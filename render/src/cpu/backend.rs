@@ -140,7 +140,7 @@ impl CpuBackend {
     }
 
     /// Takes the environment's light as it was set, for cuts of which a pose replaced some.
-    fn light_cuts(&mut self) {
+    fn show_light(&mut self) {
         let (Some((_, shown)), Some(set)) = (&mut self.light, &self.set_light) else { return };
         let cuts = self.renderer.as_ref().map(|renderer| &renderer.dataset.cuts).filter(|cuts| cuts.has_replaced());
         *shown = cuts.map_or_else(|| set.clone(), |cuts| set.with_replaced_cuts(cuts).into());
@@ -184,7 +184,7 @@ impl Backend for CpuBackend {
             self.sketch.pose(&Moved::between(&renderer.dataset.scene.mesh, &posed.dataset.scene.mesh));
             self.renderer = Some(renderer.posed(posed.clone()));
         }
-        self.light_cuts();
+        self.show_light();
         self.forget_local_light();
         Ok(())
     }
@@ -204,7 +204,7 @@ impl Backend for CpuBackend {
     fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
         self.light = Some((light.clone(), lighting.clone()));
         self.set_light = Some(lighting.clone());
-        self.light_cuts();
+        self.show_light();
         Ok(Vec::new())
     }
 

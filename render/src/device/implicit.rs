@@ -1,8 +1,8 @@
 //! Implicit visibility on the GPU (Dong et al., *Interactive Global Illumination Using Implicit Visibility*, 2007): a surfel forest under
 //! one pose after another, what its leaves see, and their light. Twin of `lapidary_core::implicit`.
 //!
-//! Its kernels are each a dispatch over all leaves, nodes or vertices: none waits for a level of the tree below. Nodes and bins have the bits of
-//! the twin where the adapter rounds as IEEE 754 says; light differs by the order of sums.
+//! Its kernels are each a dispatch over all leaves, nodes or vertices: none waits for a level of the tree below. Nodes and bins have the
+//! bits of the twin where the adapter rounds as IEEE 754 says; light differs by the order of sums.
 
 mod cuts;
 mod forest;

@@ -498,6 +498,8 @@ pub mod constants {
     pub const BACKGROUND_MAP: u32 = 0;
     pub const BACKGROUND_FLAT: u32 = 1;
     pub const TWO_SIDED: u32 = 1 << 31;
+    /// Most directions that a cut may be selected from on the device.
+    pub const MOST_DIRECTIONS: usize = 2048;
     /// A vertex that moved, among those that get cuts.
     pub const MOVED: u32 = 1 << 31;
     pub const READS_SECOND_UVS: u32 = 1;

@@ -1,7 +1,8 @@
-//! Lit cuts on the GPU: two kernels coarsen the stored cuts whenever the light changes. Twin of
+//! Lit cuts on the GPU: two kernels coarsen the cuts whenever the light changes, and those that a pose replaces. Twin of
 //! [`LitCuts`].
 //!
-//! The first one counts nodes, so that the buffer is no larger than they need; the second one writes them.
+//! The first one counts nodes, so that the buffer is as large as they need, with room for those of replacements; the second one writes
+//! them.
 
 use super::scene::{CutStarts, GpuCuts};
 use crate::{
@@ -24,7 +25,7 @@ use lapidary_core::cut::{
 };
 use wgpu::BufferUsages as Usages;
 
-/// Stored cuts that one workgroup coarsens; the shader's size of workgroups.
+/// Cuts that one workgroup coarsens; the shader's size of workgroups.
 const CUTS_PER_GROUP: u32 = 64;
 
 /// The kernels, by the tree that the cuts are over.
@@ -57,8 +58,9 @@ pub struct GpuLitCuts {
     pub nodes: wgpu::Buffer,
     /// The first node of the cut that is stored from each texel on.
     pub offsets: wgpu::Buffer,
-    /// Largest share of a vertex's light that a node moves between its parts.
+    /// Largest share of a vertex's light that a node moves between its parts, and that which was asked for.
     tau: f32,
+    asked_tau: f32,
     /// Nodes of the cuts that are stored.
     of_stored: u32,
 }
@@ -67,7 +69,7 @@ impl GpuLitCuts {
     /// None, where nothing is lit.
     pub fn none(gpu: &GpuDevice) -> Self {
         let nothing = || storage(gpu, "no lit cuts", &[0; 4]);
-        Self { nodes: nothing(), offsets: nothing(), tau: 0.0, of_stored: 0 }
+        Self { nodes: nothing(), offsets: nothing(), tau: 0.0, asked_tau: 0.0, of_stored: 0 }
     }
 
     fn has_room_for(&self, cuts: &GpuCuts) -> bool {
@@ -94,49 +96,61 @@ impl LitKernels {
         self.with_tau(gpu, tree, lit.tau())
     }
 
-    /// The same where a pose replaced other cuts than before. What is stored stays lit, and nothing is read back, unless there was no
+    /// The same where a pose replaced other cuts than before. What is stored stays lit, and nothing is read back, unless there is no
     /// room for so many.
     ///
     /// # Errors
     /// A lost device.
     pub fn replace(&self, gpu: &GpuDevice, tree: LitTree, lit: GpuLitCuts) -> Result<GpuLitCuts, BackendError> {
-        if !lit.has_room_for(tree.cuts) {
-            return self.with_tau(gpu, tree, lit.tau);
+        let may_be_finer = lit.tau != lit.asked_tau && tree.cuts.others.count == 0;
+        if may_be_finer || !lit.has_room_for(tree.cuts) || !self.add_others(gpu, tree, &lit)? {
+            return self.with_tau(gpu, tree, lit.asked_tau);
         }
-        self.add_others(gpu, tree, &lit)?;
         Ok(lit)
     }
 
-    fn with_tau(&self, gpu: &GpuDevice, tree: LitTree, mut tau: f32) -> Result<GpuLitCuts, BackendError> {
+    fn with_tau(&self, gpu: &GpuDevice, tree: LitTree, asked_tau: f32) -> Result<GpuLitCuts, BackendError> {
         let GpuCuts { stored, stored_texels, .. } = tree.cuts;
-        let offsets = buffer(gpu, bytes_of_words(tree.cuts.most_texels()), Usages::empty());
-        let most_others = (tree.cuts.most_texels() - stored_texels) * NODES_PER_TEXEL as u32;
+        let (most_texels, limit) = (tree.cuts.most_texels(), gpu.max_storage_bytes());
+        let offsets = buffer(gpu, bytes_of_words(most_texels), Usages::empty());
+        let most_others = (most_texels - stored_texels) * NODES_PER_TEXEL as u32;
+        let mut tau = asked_tau;
         loop {
             let work = Work::new(gpu, tree, tau, stored, &offsets);
             let of_stored = work.count(gpu, &self.count[tree.field as usize], 0)?.read(gpu)?;
-            let bytes = bytes_of_words(of_stored) + bytes_of_words(most_others);
-            if bytes <= gpu.max_storage_bytes() {
-                let nodes = buffer(gpu, bytes, Usages::empty());
+            let bytes = bytes_of_words(of_stored);
+            if bytes <= limit {
+                let nodes = buffer(gpu, limit.min(bytes + bytes_of_words(most_others)), Usages::empty());
                 work.write(gpu, &self.write[tree.field as usize], &nodes)?;
-                let lit = GpuLitCuts { nodes, offsets, tau, of_stored };
-                self.add_others(gpu, tree, &lit)?;
-                return Ok(lit);
+                let lit = GpuLitCuts { nodes, offsets: offsets.clone(), tau, asked_tau, of_stored };
+                if self.add_others(gpu, tree, &lit)? {
+                    return Ok(lit);
+                }
             }
             if tau >= 1.0 {
-                gpu.within("the lit cuts", "bytes", bytes, gpu.max_storage_bytes(), Remedy::SmallerCuts)?;
+                gpu.within("the lit cuts", "bytes", bytes, limit, Remedy::SmallerCuts)?;
+                let all = bytes + bytes_of_words(tree.cuts.other_texels * NODES_PER_TEXEL as u32);
+                gpu.within("the lit cuts", "bytes", all, limit, Remedy::SmallerCuts)?;
             }
             tau = (2.0 * tau).clamp(DEFAULT_TAU, 1.0);
         }
     }
 
-    /// Lights the replacements. They are no longer than before, so there is room.
-    fn add_others(&self, gpu: &GpuDevice, tree: LitTree, lit: &GpuLitCuts) -> Result<(), BackendError> {
-        if tree.cuts.others.count == 0 {
-            return Ok(());
+    /// Lights the replacements. Returns whether there is room; a lit cut has no more nodes than its cut, so that they need not be counted
+    /// first where there is room for all of these.
+    fn add_others(&self, gpu: &GpuDevice, tree: LitTree, lit: &GpuLitCuts) -> Result<bool, BackendError> {
+        let GpuCuts { others, other_texels, .. } = tree.cuts;
+        if others.count == 0 {
+            return Ok(true);
         }
-        let work = Work::new(gpu, tree, lit.tau, &tree.cuts.others, &lit.offsets);
-        work.count(gpu, &self.count[tree.field as usize], lit.of_stored)?;
-        work.write(gpu, &self.write[tree.field as usize], &lit.nodes)
+        let work = Work::new(gpu, tree, lit.tau, others, &lit.offsets);
+        let total = work.count(gpu, &self.count[tree.field as usize], lit.of_stored)?;
+        let fits = |others: u32| bytes_of_words(lit.of_stored) + bytes_of_words(others) <= lit.nodes.size();
+        let has_room = fits(other_texels * NODES_PER_TEXEL as u32) || fits(total.read(gpu)? - lit.of_stored);
+        if has_room {
+            work.write(gpu, &self.write[tree.field as usize], &lit.nodes)?;
+        }
+        Ok(has_room)
     }
 }
 

@@ -25,6 +25,7 @@ use lapidary_core::{
     texture::UvSet,
 };
 use rayon::prelude::*;
+use std::mem::offset_of;
 
 /// Of the diagonal of the scene: nearer than that nothing is drawn.
 const NEAR: f32 = 1e-5;
@@ -67,6 +68,8 @@ pub struct GpuCuts {
     pub others: CutStarts,
     /// Number of texels of the stored ones, which come first.
     pub stored_texels: u32,
+    /// Number of texels of the others.
+    pub other_texels: u32,
 }
 
 /// Where some cuts begin; vertices may share one.
@@ -177,7 +180,13 @@ fn source_cuts(gpu: &GpuDevice, bake: &IndirectBake) -> Result<SourceCuts, Backe
 /// Invocations of a workgroup that replaces cuts.
 const VERTICES_PER_GROUP: u32 = 64;
 
-/// Most vertices between two that change where both are written at once: as many as take as long as another write.
+/// Where `replaced_cuts_kernel.wgsl` finds what it replaces.
+const _: () = assert!(
+    size_of::<Vertex>() == 80 && offset_of!(Vertex, cut_offset) == 12 && offset_of!(Vertex, cut_len) == 28,
+    "a kernel writes these members"
+);
+
+/// Gaps of up to so many vertices that stay are uploaded, too: that is faster than another write.
 const VERTICES_BETWEEN_WRITES: u32 = 64;
 
 /// Vertices that a pose moves, or whose cut it replaces.
@@ -267,6 +276,7 @@ impl GpuCuts {
             stored,
             others: CutStarts::of(gpu, cuts, true),
             stored_texels: cuts.stored_texels(),
+            other_texels: (cuts.parts()[1].len() / NODES_PER_TEXEL) as u32,
         }
     }
 
@@ -303,6 +313,7 @@ impl GpuCuts {
             stored: self.stored.clone(),
             others: CutStarts { texels: cuts.starts.clone(), count: cuts.vertices.len() as u32 },
             stored_texels: self.stored_texels,
+            other_texels: rows * TEXTURE_WIDTH as u32,
         }
     }
 

@@ -23,8 +23,8 @@ impl<B: Backend + ?Sized> LitScene<B> {
         self.posing.get_or_insert_with(|| Posing::new(&self.baked)).posed(poses)
     }
 
-    /// Gives the renderer the posed scene, with cuts for vertices that moved or were covered. Rigs light the scene as baked, and the pose rig's light is
-    /// added.
+    /// Gives the renderer the posed scene, with cuts for vertices that moved or were covered. Rigs light the scene as baked, and the
+    /// pose rig's light is added.
     pub(super) fn give_pose(&mut self) -> Result<(), BackendError> {
         let situation = &self.situation;
         let (posed, cuts) = match situation.poses.is_empty() {

@@ -17,7 +17,12 @@ pub struct SketchPace {
     finer: Pace,
     /// Filling and display.
     show: Pace,
+    /// All pixels of full pictures of which nothing was kept.
+    whole: Pace,
 }
+
+/// Share of the frame time in which a whole picture must have been done: the next one may take longer.
+const WHOLE_SHARE: f32 = 0.5;
 
 impl SketchPace {
     /// Records that it took `millis` milliseconds to show a sketch of `pixels` pixels, of which `shaded` were shaded for it.
@@ -31,9 +36,15 @@ impl SketchPace {
         self.first.and(self.show).reduced_size(full, budget_ms)
     }
 
-    /// Whether a sample of all pixels, of which all parts have been measured so, is shown in `budget_ms`.
-    pub fn shows_whole(&self, sample: &Pace, pixels: u64, budget_ms: f32) -> bool {
-        sample.and(self.show).millis(pixels).is_some_and(|millis| millis <= f64::from(budget_ms))
+    /// Records that a full picture of `pixels` pixels took `millis` milliseconds, if nothing of it was kept.
+    pub fn whole_done(&mut self, pixels: u64, millis: f64) {
+        self.whole.measured(pixels, millis);
+    }
+
+    /// Whether a full picture of `pixels` pixels was done soon enough that it is made at once in `budget_ms`.
+    pub fn shows_whole(&self, pixels: u64, budget_ms: f32) -> bool {
+        let millis = self.whole.and(self.show).millis(pixels);
+        millis.is_some_and(|millis| millis <= f64::from(WHOLE_SHARE * budget_ms))
     }
 
     /// Pixels shaded in `millis` milliseconds.
@@ -67,7 +78,7 @@ impl Sketching {
         Self { size, order, level: 0, done: 0, since: Instant::now(), shown: 0, is_whole: false }
     }
 
-    /// The same picture without coarse lattices: all its pixels are done in time.
+    /// The same picture without coarse lattices, where all its pixels should be done in time.
     pub fn whole(self) -> Self {
         Self { level: STRIDES.len() - 1, is_whole: true, ..self }
     }
@@ -96,12 +107,13 @@ impl Sketching {
     pub fn next(&self, pace: &SketchPace, budget_ms: f32) -> (u32, &[u32]) {
         let stride = STRIDES[self.level];
         let left = &self.order[self.done..];
-        if self.is_whole {
-            return (stride, left);
-        }
         let pixels = self.share() * Tiles::MOST_PIXELS as f64;
         let threads = rayon::current_num_threads();
-        let wanted = self.pace(pace).times_within(self.millis_left(pace, budget_ms), pixels).unwrap_or(0);
+        let wanted = match self.is_whole {
+            true => pace.whole.times_within(STEP_MS, pixels),
+            false => self.pace(pace).times_within(self.millis_left(pace, budget_ms), pixels),
+        };
+        let wanted = wanted.unwrap_or(0);
         (stride, &left[..wanted.max(threads).min(left.len())])
     }
 
@@ -135,7 +147,7 @@ impl Sketching {
     /// Pixels that a tile's part of the lattice adds, per pixel of the tile.
     fn share(&self) -> f64 {
         // The coarsest lattice traces all pixels.
-        if self.level == 0 { 1.0 } else { share_of_lattice(STRIDES[self.level]) }
+        if self.level == 0 || self.is_whole { 1.0 } else { share_of_lattice(STRIDES[self.level]) }
     }
 
     fn pace<'p>(&self, pace: &'p SketchPace) -> &'p Pace {
@@ -185,17 +197,17 @@ mod tests {
     fn without_lattices_all_pixels_are_taken_at_once() {
         let mut pace = SketchPace::default();
         pace.shown(1000, 0, 4.0);
-        let sample = |millis| {
-            let mut pace = Pace::default();
-            pace.measured(1000, millis);
-            pace
-        };
-        assert!(pace.shows_whole(&sample(5.9), 1000, 10.0) && !pace.shows_whole(&sample(6.1), 1000, 10.0));
-        assert!(!pace.shows_whole(&Pace::default(), 1000, 1e9), "an unknown speed is taken for slow");
-        let mut sketching = Sketching::new([500, 300], Vec2::splat(0.5)).whole();
-        assert!(!sketching.is_due(&pace, 0.0), "nothing to show");
-        assert_eq!(steps(&mut sketching, &mut pace), [(1, 8 * 5)]);
+        assert!(!pace.shows_whole(1000, 1e9), "an unknown speed is taken for slow");
+        pace.whole_done(1000, 6.0);
+        assert!(pace.shows_whole(1000, 20.1) && !pace.shows_whole(1000, 19.9) && !pace.shows_whole(1100, 20.1));
+        let sketching = || Sketching::new([500, 300], Vec2::splat(0.5)).whole();
+        assert!(!sketching().is_due(&pace, 0.0), "nothing to show");
+        pace.whole = Pace::default();
+        pace.whole_done(1_000_000, 1.0);
+        assert_eq!(steps(&mut sketching(), &mut pace), [(1, 8 * 5)], "at once");
         assert!(pace.first.millis(1).is_none() && pace.finer.millis(1).is_none(), "they tell nothing of lattices");
+        pace.whole_done(1, 1e9);
+        assert!(steps(&mut sketching(), &mut pace).len() > 1, "a step that takes too long is parted");
     }
 
     #[test]

@@ -54,6 +54,8 @@ struct Begun {
     sketching: Sketching,
     /// Pixels shaded at the last fill.
     holes: u32,
+    /// Whether nothing is kept of the picture before.
+    is_anew: bool,
 }
 
 impl Begun {
@@ -316,7 +318,7 @@ impl Worker {
             PictureStage::Begin => self.begin_any(&request),
             _ if self.waits() => Ok(()),
             PictureStage::Settle { .. } if self.stage.settled(Instant::now()) => {
-                self.begin(&request, request.look.view.size)
+                self.begin(&request, request.look.view.size, true)
             }
             PictureStage::Settle { .. } => Ok(()),
             PictureStage::Compile => self.wait_for_shaders(),
@@ -352,8 +354,10 @@ impl Worker {
         let is_in_place = |before: &(Camera, [u32; 2], Poses)| before.2 == from.2 || self.replaces && !request.moving;
         let stays = before.is_some_and(|before| (&before.0, before.1) == (&from.0, from.1) && is_in_place(&before));
         self.replaces &= stays;
-        let size = if stays { full } else { self.sketch_pace.reduced_size(full, FIRST_SHARE * self.budget_ms) };
-        self.begin(request, size)
+        let pixels = full.map(u64::from).iter().product();
+        let is_full = stays || self.sketch_pace.shows_whole(pixels, self.budget_ms);
+        let size = if is_full { full } else { self.sketch_pace.reduced_size(full, FIRST_SHARE * self.budget_ms) };
+        self.begin(request, size, !stays)
     }
 
     /// Computes some tiles of the first sample, and shows it when due.
@@ -398,6 +402,9 @@ impl Worker {
         begun.sketching.set_shown();
         self.shown_apart = Some(begun.apart(1, request.look.view.size));
         self.band_pace.measured(begun.sketching.pixels(), begun.millis);
+        if begun.is_anew && begun.full_size {
+            self.sketch_pace.whole_done(begun.sketching.pixels(), begun.millis);
+        }
         self.stage = match begun.full_size {
             _ if complete => PictureStage::Rest,
             true => PictureStage::Full { sample: 1, row: 0 },
@@ -472,7 +479,8 @@ impl Worker {
         Ok(())
     }
 
-    fn begin(&mut self, request: &RenderRequest, size: [u32; 2]) -> Result<(), BackendError> {
+    /// Begins a picture; `is_anew` tells that nothing is kept of the one before.
+    fn begin(&mut self, request: &RenderRequest, size: [u32; 2], is_anew: bool) -> Result<(), BackendError> {
         let full_size = size == request.look.view.size;
         let aa = if full_size { request.look.view.aa.max(1) } else { 1 };
         self.begun = None;
@@ -480,9 +488,10 @@ impl Worker {
         let Some(scene) = &mut self.scene else { return Ok(()) };
         scene.resume(&view, request.look.sampling)?;
         let sketching = Sketching::new(size, request.pointer.unwrap_or(Vec2::splat(0.5)));
-        let shows_whole = self.sketch_pace.shows_whole(&self.band_pace, sketching.pixels(), self.budget_ms);
+        let shows_whole = full_size && self.sketch_pace.shows_whole(sketching.pixels(), self.budget_ms);
         let sketching = if shows_whole { sketching.whole() } else { sketching };
-        self.begun = Some(Begun { size, full_size, of_samples: aa, complete: 0, millis: 0.0, sketching, holes: 0 });
+        let (complete, millis, holes) = (0, 0.0, 0);
+        self.begun = Some(Begun { size, full_size, of_samples: aa, complete, millis, sketching, holes, is_anew });
         self.wait_for_shaders()
     }
 

@@ -10,7 +10,10 @@ use crate::{
     device::{
         buffers::{storage, uniform, written},
         kernels::{CountedOthers, SkyBeside, WrittenOthers},
-        layout::{CutUniforms, CutVertex, LeafBeside, constants::MOVED},
+        layout::{
+            CutUniforms, CutVertex, LeafBeside,
+            constants::{MOST_DIRECTIONS, MOVED},
+        },
         readback::read_word,
     },
     error::BackendError,
@@ -21,9 +24,7 @@ use glam::Vec3;
 use lapidary_core::cut::packed::NODES_PER_TEXEL;
 use lapidary_core::cut::packed::{TEXEL_BYTES, TEXTURE_WIDTH};
 
-/// Most directions that a cut may be selected from, as in `implicit_cuts.wgsl`.
-const MOST_DIRECTIONS: usize = 2048;
-/// Fewest: four are packed in a word.
+/// Fewest directions that a cut may be selected from: four are packed in a word.
 const FEWEST_DIRECTIONS: usize = 4;
 
 /// What stays of the cuts while a scene is posed.
@@ -83,19 +84,21 @@ impl DeviceCuts {
 
 impl GpuForest {
     /// Takes the directions at the leaves of a tree, and the leaves beside vertices with their weights: those of each vertex from one
-    /// of the `starts` to the next. `None` for too few or too many directions.
-    pub fn cut_tables(&self, directions: &[Vec3], beside: &[(u32, f32)], starts: Vec<u32>) -> Option<CutTables> {
-        if !(FEWEST_DIRECTIONS..=MOST_DIRECTIONS).contains(&directions.len()) || beside.is_empty() {
-            return None;
-        }
+    /// of the `starts` to the next.
+    pub fn cut_tables(&self, directions: &[Vec3], beside: &[(u32, f32)], starts: Vec<u32>) -> CutTables {
         let leaves: Vec<_> = beside.iter().map(|&(leaf, weight)| LeafBeside { leaf, weight }).collect();
         let wide: Vec<[f32; 4]> = directions.iter().map(|direction| direction.extend(0.0).to_array()).collect();
-        Some(CutTables {
+        CutTables {
             directions: storage(&self.on.gpu, "directions of cuts", cast_slice(&wide)),
             count: directions.len(),
             beside: storage(&self.on.gpu, "leaves beside vertices", cast_slice(&leaves)),
             starts,
-        })
+        }
+    }
+
+    /// Whether cuts can be selected from so many directions.
+    pub fn takes_directions(count: usize) -> bool {
+        (FEWEST_DIRECTIONS..=MOST_DIRECTIONS).contains(&count)
     }
 
     /// Cuts of some vertices, by what the leaves beside them saw at the last walk. `None` if there is no room for them.

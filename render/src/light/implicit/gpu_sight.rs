@@ -17,7 +17,7 @@ pub struct GpuSight {
     /// `None` after a failure.
     gpu: Option<GpuForest>,
     cores: CoreSight,
-    /// What stays of cuts; `None` before the first, and where they have to be made on the cores.
+    /// What stays of cuts; `None` before the first.
     tables: Option<CutTables>,
     layout: BinLayout,
 }
@@ -66,21 +66,26 @@ impl LeafSight for GpuSight {
     }
 
     fn cuts(&mut self, forest: &DiscForest, asked: &NewCuts) -> Option<DeviceCuts> {
+        let gpu = self.gpu.as_ref()?;
+        // Without cuts over the environment others are shown, whose lengths stay.
+        if asked.vertices.is_empty() || !asked.dataset.settings.mode.environment() {
+            return None;
+        }
         let directions = asked.directions(self.layout);
         let criterion = asked.criterion(directions.len());
-        if !criterion.is_local(directions.len()) || asked.vertices.is_empty() {
+        if !criterion.is_local(directions.len()) || !GpuForest::takes_directions(directions.len()) {
             return None;
+        }
+        if self.tables.is_none() {
+            let (beside, starts) = asked.beside.rows();
+            self.tables = Some(gpu.cut_tables(&directions, &beside, starts));
         }
         let height = directions.len().ilog2();
         let least: Vec<u64> = (0..height).map(|depth| criterion.least_split(1 << (height - depth))).collect();
         let vertices: Vec<_> = asked.vertices.iter().map(|&vertex| (vertex, asked.is_moved(vertex))).collect();
         let stored_texels = asked.dataset.cuts.stored_texels();
         let request = CutRequest { vertices: &vertices, open: asked.open, least: &least, stored_texels };
-        let known = self.tables.take();
-        let tables = known.or_else(|| {
-            let (beside, starts) = asked.beside.rows();
-            self.gpu.as_ref()?.cut_tables(&directions, &beside, starts)
-        })?;
+        let tables = self.tables.take()?;
         let cuts = self.on_gpu(forest, |gpu| gpu.cuts(&tables, &request));
         self.tables = Some(tables);
         cuts.flatten()

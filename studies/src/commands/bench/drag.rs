@@ -51,7 +51,8 @@ pub(super) struct Detailed {
     pictures_per_second: f64,
 }
 
-/// Drags an object by half the width of its box at each detail, which is prepared as in the window: one step picks it up, `steps` more follow. Prints the figures.
+/// Drags an object by half the width of its box at each detail, which is prepared as in the window: one step picks it up, `steps`
+/// more follow. Prints the figures.
 ///
 /// # Errors
 /// A missing object, or no adapter if one is required.

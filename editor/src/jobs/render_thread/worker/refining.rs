@@ -34,7 +34,7 @@ impl Worker {
             Refined::Nothing => false,
         };
         if begins {
-            self.begin(request, request.look.view.size)?;
+            self.begin(request, request.look.view.size, false)?;
         }
         Ok(begins)
     }
