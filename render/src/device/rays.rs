@@ -29,7 +29,7 @@ const MOST_LEVELS: usize = 64;
 
 /// An adapter that traces rays.
 pub struct GpuRays {
-    /// Whether a scene that it does not take is an error, or left to the cores.
+    /// Whether a scene that it does not take is an error for the caller, or left to the cores.
     is_asked_for: bool,
     gpu: Arc<GpuDevice>,
     pipeline: wgpu::ComputePipeline,
