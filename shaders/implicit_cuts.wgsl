@@ -5,7 +5,7 @@
 const LANES: u32 = 64u;
 const MOST_DIRECTIONS: u32 = 2048u;
 // Share of the sky in a direction where all leaves that face it see the sky.
-const OPEN: u32 = 255u;
+const FULL_SHARE: u32 = 255u;
 const LARGEST_CODE: f32 = 4095.0;
 // Of `square_from_disc` in core/src/sphere/concentric.rs (Abramowitz and Stegun, 4.4.49).
 const ARCTANGENT: array<f32, 8> = array(
@@ -14,7 +14,8 @@ const ARCTANGENT: array<f32, 8> = array(
 const FRAC_2_PI: f32 = 0.636619772;
 
 struct CutUniforms {
-    // The least squared error from which a node is split, by its depth: times its directions and OPEN squared; low word, then high.
+    // The least squared error from which a node is split, by its depth: times its directions and FULL_SHARE squared, as low and high
+    // word.
     least: array<vec4<u32>, 12>,
     // Cosine and sine of the frames' rotation.
     turn: vec2<f32>,
@@ -47,7 +48,7 @@ struct LeafBeside {
 
 // Shares of the sky, four in a word.
 var<workgroup> shares: array<u32, MOST_DIRECTIONS / 4u>;
-// Sums of the shares below a node, and of their products with what they lack of OPEN, at its first pair of directions.
+// Sums of the shares below a node, and of their products with what they lack of FULL_SHARE, at its first pair of directions.
 var<workgroup> sums: array<vec2<u32>, MOST_DIRECTIONS / 2u>;
 // Whether a node is split, one bit each.
 var<workgroup> split: array<atomic<u32>, MOST_DIRECTIONS / 32u>;
@@ -68,7 +69,7 @@ fn select_cut(vertex: CutVertex, lane: u32) {
     for (var pair = lane; pair < count / 2u; pair += LANES) {
         let a = share_at(2u * pair);
         let b = share_at(2u * pair + 1u);
-        let halves = array(vec2(a, a * (OPEN - a)), vec2(b, b * (OPEN - b)));
+        let halves = array(vec2(a, a * (FULL_SHARE - a)), vec2(b, b * (FULL_SHARE - b)));
         split_if_coarse(count / 2u + pair, halves);
         sums[pair] = halves[0] + halves[1];
     }
@@ -100,7 +101,7 @@ fn share_of_sky(direction: vec3<f32>, vertex: CutVertex) -> u32 {
             }
         }
     }
-    return select(0u, u32(sky / above * f32(OPEN) + 0.5), above > 0.0);
+    return select(0u, u32(sky / above * f32(FULL_SHARE) + 0.5), above > 0.0);
 }
 
 // Twin of `HemisphereCells::cell_of`.
@@ -136,7 +137,7 @@ fn split_if_coarse(node: u32, halves: array<vec2<u32>, 2>) {
     if are_whole && code_of(halves[0].x, half_size) == code_of(halves[1].x, half_size) {
         return;
     }
-    let squares = moments.x * OPEN - moments.y;
+    let squares = moments.x * FULL_SHARE - moments.y;
     let scaled = vec2(squares << log2_size, squares >> (32u - log2_size));
     let error = wide_difference(scaled, wide_square(moments.x));
     let least = cuts.least[depth].xy;
@@ -177,7 +178,7 @@ fn is_split(node: u32) -> bool {
 
 // The mean of shares as it is stored. Twin of `quantize` in core/src/cut/packed.rs.
 fn code_of(sum: u32, size: u32) -> u32 {
-    return u32(f32(sum) / f32(OPEN * size) * LARGEST_CODE + 0.5);
+    return u32(f32(sum) / f32(FULL_SHARE * size) * LARGEST_CODE + 0.5);
 }
 
 // Its first direction.

@@ -308,9 +308,9 @@ fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
     let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
     let mut glossy = blocked(glossy(0.5), 8);
     glossy.scene.materials[0].model = BrdfModel::Ggx;
-    // Fine cuts have equal halves that are joined again.
-    let mut fine = glossy.clone();
-    fine.settings.criterion.sigma = 0.1;
+    // Coarse cuts have halves that are stored as equal nodes, and joined.
+    let mut coarse = glossy.clone();
+    coarse.settings.criterion.sigma = 1.0;
     let baked = Baked::from(glossy);
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let poses = [at(0.2), at(0.7)];
@@ -326,9 +326,10 @@ fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
         println!("light of a pose differs by {differ}");
         assert!(differ < 1e-4);
     }
-    let fine = Baked::from(fine);
-    let [found, of_cores] = [&computes[0], &computes[1]].map(|compute| shown(compute, &fine, &poses[..1]).remove(0).0);
-    assert!(found == of_cores && found != expected[0].0, "fine cuts");
+    let coarse = Baked::from(coarse);
+    let [found, of_cores] =
+        [&computes[0], &computes[1]].map(|compute| shown(compute, &coarse, &poses[..1]).remove(0).0);
+    assert!(found == of_cores && found != expected[0].0, "coarse cuts");
     let growth = |pose: usize| &expected[pose].1.growth.front;
     assert!(farthest(growth(0), growth(1)) > 0.1 && expected[0].0 != expected[1].0, "negative control: another pose");
 }

@@ -407,7 +407,7 @@ fn shared_constants_have_the_same_values() {
         ("MOST_SUNS", constants::MOST_SUNS as u32),
         ("MOST_DIRECTIONS", constants::MOST_DIRECTIONS as u32),
         ("MOVED", constants::MOVED),
-        ("OPEN", lapidary_core::ray::OPEN.into()),
+        ("FULL_SHARE", lapidary_core::ray::OPEN.into()),
         ("MOST_AREAS", constants::MOST_AREAS as u32),
         ("TILE_SIDE", constants::TILE_SIDE),
         ("MOST_BASIS_LEVELS", constants::MOST_BASIS_LEVELS as u32),
