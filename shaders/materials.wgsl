@@ -69,13 +69,6 @@ const POOL_WIDTH_LOG2: u32 = 13u;
 
 @group(1) @binding(2) var<storage, read> materials: array<Material>;
 @group(1) @binding(3) var pool: texture_2d<u32>;
-struct Tables {
-    // Linear values of the 256 sRGB codes.
-    linear_from_srgb: array<vec4<f32>, 64>,
-    // See Albedo in brdf.wgsl: two for each width of each lobe.
-    albedo: array<vec4<f32>, 608>,
-}
-
 @group(1) @binding(4) var<uniform> tables: Tables;
 
 fn pool_word(index: u32) -> u32 {

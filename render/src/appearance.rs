@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 use lapidary_core::{
-    brdf::narrow_widths,
+    brdf::{Values, narrow_widths},
     material::{Material, MaterialMaps, MaterialPoint, ResolvedMaterial, SurfaceAttributes},
     opacity::Opacities,
     scene::{Mesh, Scene},
@@ -151,9 +151,18 @@ impl ResolvedAppearance {
 
     /// The material at a point of `mesh`.
     pub(crate) fn at_place(&self, mesh: &Mesh, place: MeshPlace) -> MaterialPoint {
-        let triangle = place.triangle as usize;
-        let weights = [1.0 - place.barycentric.element_sum(), place.barycentric.x, place.barycentric.y];
-        self.material_at(self.material(self.material_of(mesh, triangle)), &mesh.attributes(triangle, weights))
+        self.material_at(self.material_there(mesh, place), &attributes_there(mesh, place))
+    }
+
+    /// The material of a point of `mesh`.
+    pub(crate) fn material_there(&self, mesh: &Mesh, place: MeshPlace) -> &ResolvedMaterial {
+        self.material(self.material_of(mesh, place.triangle as usize))
+    }
+
+    /// The values of the parameters at a point of `mesh`, after their maps.
+    pub(crate) fn values_there(&self, mesh: &Mesh, place: MeshPlace) -> Values {
+        let at = attributes_there(mesh, place);
+        self.material_there(mesh, place).values(at.color, |slot| self.sample(slot, at.uv_of(slot)))
     }
 
     /// Albedo and emission of a point of `mesh`, for bounces: the albedo is the share of light reflected in all directions, the
@@ -168,6 +177,10 @@ impl ResolvedAppearance {
     pub fn albedo(&self, mesh: &Mesh, place: MeshPlace) -> Vec3 {
         self.albedo_and_emission(mesh, place).0
     }
+}
+
+fn attributes_there(mesh: &Mesh, MeshPlace { triangle, barycentric: b }: MeshPlace) -> SurfaceAttributes {
+    mesh.attributes(triangle as usize, [1.0 - b.element_sum(), b.x, b.y])
 }
 
 /// Whether both assign the same materials to the triangles of a mesh.

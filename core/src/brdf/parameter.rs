@@ -236,6 +236,16 @@ impl Values {
         &self.numbers[..self.len]
     }
 
+    /// The values of the parameters of a list, with which these values begin.
+    pub fn each(&self, list: &'static [Parameter]) -> impl Iterator<Item = Value> {
+        let mut next = 0;
+        list.iter().map(move |parameter| {
+            let first = next;
+            next += parameter.numbers();
+            self.at(first, parameter)
+        })
+    }
+
     /// The value of a parameter whose numbers begin at `first`.
     #[inline]
     pub(crate) fn at(&self, first: usize, parameter: &Parameter) -> Value {

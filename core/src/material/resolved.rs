@@ -129,6 +129,16 @@ impl ResolvedMaterial {
         }
     }
 
+    /// Its model.
+    pub fn model(&self) -> BrdfModel {
+        self.model
+    }
+
+    /// Whether its parameters have the same values everywhere.
+    pub fn is_constant(&self) -> bool {
+        self.constant.is_some()
+    }
+
     /// Whether anything of it varies from point to point.
     #[inline]
     pub fn varies(&self) -> bool {

@@ -4,7 +4,9 @@ use super::{
     adapter::{GpuDevice, Room, has_hardware, is_emulated},
     bindings::Shaders,
     kernel::Kernel,
-    kernels::KernelProgram,
+    kernels::{IMPLICIT_GLOSS, KernelProgram},
+    model_kernel::ModelKernel,
+    models::ModelSet,
 };
 use crate::error::BackendError;
 use serde::Serialize;
@@ -29,6 +31,7 @@ pub enum Compute {
 pub struct SharedDevice {
     pub(crate) gpu: Arc<GpuDevice>,
     kernels: Arc<Mutex<HashMap<&'static str, Arc<Kernel>>>>,
+    gloss: ModelKernel,
 }
 
 /// An adapter, for reports.
@@ -100,7 +103,11 @@ impl SharedDevice {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_cache(room: Room, folder: Option<&Path>) -> Result<Self, BackendError> {
-        Ok(Self { gpu: GpuDevice::with_cache(room, folder)?.into(), kernels: Arc::default() })
+        Ok(Self {
+            gpu: GpuDevice::with_cache(room, folder)?.into(),
+            kernels: Arc::default(),
+            gloss: ModelKernel::default(),
+        })
     }
 
     /// Whether its adapter computes on the processor: the CPU renderer is faster then.
@@ -144,5 +151,9 @@ impl SharedDevice {
         let made = Arc::new(Kernel::new(&self.gpu, &Shaders::default(), program, &[])?);
         kernels.insert(program.program.name, made.clone());
         Ok(made)
+    }
+    /// What glossy leaves reflect, for a scene with some models; `None` while another thread compiles it.
+    pub(crate) fn gloss_kernel(&self, models: &ModelSet) -> Option<Arc<Kernel>> {
+        self.gloss.get(&self.gpu, IMPLICIT_GLOSS, models)
     }
 }

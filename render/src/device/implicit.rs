@@ -6,10 +6,13 @@
 
 mod cuts;
 mod forest;
+mod gloss;
 mod light;
 
 pub use cuts::{CutRequest, CutTables, DeviceCuts};
 pub use forest::GpuForest;
+pub use gloss::ReflectedLight;
+pub(crate) use gloss::{GlossRequest, GlossTable, LeafLobes};
 pub use light::SeenLight;
 
 use super::{

@@ -2,7 +2,7 @@
 
 use super::{
     bindings::{GroupLayout, bind_groups},
-    shaders::Program,
+    shaders::{MODELS_WITHOUT_MAPS, Program},
 };
 
 /// A kernel of one compute step.
@@ -70,6 +70,20 @@ bind_groups! {
         lighting: Storage,
         sky: Storage,
         light: Written,
+    }
+
+    /// What glossy leaves reflect.
+    Glossy {
+        uniforms: Uniform,
+        tables: Uniform,
+        materials: Storage,
+        values: Storage,
+        discs: Storage,
+        views: Storage,
+        directions: Storage,
+        sent: Storage,
+        sky: Storage,
+        reflected: Written,
     }
 
     /// The sky that leaves see beside vertices.
@@ -158,6 +172,16 @@ pub const IMPLICIT_BOUNCE: KernelProgram = KernelProgram::new(
     &[Gathered::LAYOUT],
 );
 
+/// What glossy leaves reflect toward the eye. Twin of `GlossyLeaf::reflected` in render/src/light/implicit/gloss.rs.
+pub const IMPLICIT_GLOSS: KernelProgram = KernelProgram::new(
+    "implicit_gloss_kernel",
+    [
+        FOREST,
+        &["hemisphere", "octahedron", "tables", "glossy_leaves", "brdf", MODELS_WITHOUT_MAPS, "implicit_gloss_kernel"],
+    ],
+    &[Glossy::LAYOUT],
+);
+
 /// What kernels of cuts from bins begin with.
 const CUTS_OF_BINS: &[&str] = &["slice", "ordered", "forest", "hemisphere", "cut_vertex", "implicit_cuts"];
 
@@ -221,12 +245,13 @@ pub const LIT_WRITE: KernelProgram =
 
 /// Those that run in slices.
 #[cfg(test)]
-pub const SLICED: [KernelProgram; 15] = [
+pub const SLICED: [KernelProgram; 16] = [
     IMPLICIT_UPDATE,
     IMPLICIT_NODES,
     IMPLICIT_WALK,
     IMPLICIT_PULL,
     IMPLICIT_BOUNCE,
+    IMPLICIT_GLOSS,
     IMPLICIT_CUTS_COUNT,
     IMPLICIT_CUTS_WRITE,
     REPLACED_CUTS,

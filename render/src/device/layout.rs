@@ -346,6 +346,39 @@ pub struct LeafIrradiance {
     pub last: [f32; 4],
 }
 
+/// `GlossyLeaf` of `glossy_leaves.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct GlossyLeaf {
+    pub tangent: [f32; 3],
+    pub leaf: u32,
+    pub bitangent: [f32; 3],
+    pub model: u32,
+    pub normal: [f32; 3],
+    pub first: u32,
+}
+
+/// `GlossUniforms` of `implicit_gloss_kernel.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct GlossUniforms {
+    pub eye: [f32; 3],
+    pub side: u32,
+    pub turn: [f32; 2],
+    pub has_sent: u32,
+    pub padding: u32,
+}
+
+/// `Reflected` of `implicit_gloss_kernel.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Reflected {
+    pub sky: [f32; 3],
+    pub faces_eye: u32,
+    pub leaves: [f32; 4],
+    pub irradiance: [f32; 4],
+}
+
 /// `LitUniforms` of `lit_parts.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -90,6 +90,13 @@ impl ModelSet {
         }
     }
 
+    /// Without maps, and without models of files.
+    #[must_use]
+    pub fn without_maps(&self) -> Self {
+        let models = self.models.iter().copied().filter(|model| !model.has_file()).collect();
+        Self { models, written: Vec::new(), parts: self.parts.clone(), mapped: BTreeSet::new() }
+    }
+
     fn hashes(&self) -> Vec<[u8; 32]> {
         self.written.iter().map(|written| written.hash()).collect()
     }

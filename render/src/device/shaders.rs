@@ -42,6 +42,7 @@ parts!(
     "frame",
     "fullscreen",
     "geometry",
+    "glossy_leaves",
     "guide",
     "hemisphere",
     "hierarchy",
@@ -51,6 +52,7 @@ parts!(
     "implicit_cuts",
     "implicit_cuts_count_kernel",
     "implicit_cuts_write_kernel",
+    "implicit_gloss_kernel",
     "implicit_nodes_kernel",
     "implicit_pull_kernel",
     "implicit_update_kernel",
@@ -111,6 +113,7 @@ parts!(
     "suns_pass",
     "surface",
     "surface_pass",
+    "tables",
     "tonemap",
     "traverse",
     "tree",
@@ -132,6 +135,9 @@ pub struct Program {
 
 /// In place of a file the models that a scene uses, and the dispatch to them.
 pub const MODELS: &str = "models";
+
+/// The same for points whose values come without maps: models of files are left out.
+pub const MODELS_WITHOUT_MAPS: &str = "models_without_maps";
 
 /// In place of a file the choice of a tone curve.
 pub const TONE_CURVE: &str = "tone_curve";
@@ -157,6 +163,7 @@ impl ShaderSource {
     pub fn text(&self, program: &Program, models: &ModelSet) -> std::io::Result<String> {
         let part = |part| match part {
             MODELS => self.models(models).map(Cow::Owned),
+            MODELS_WITHOUT_MAPS => self.models(&models.without_maps()).map(Cow::Owned),
             TONE_CURVE => Ok(Cow::Owned(ToneMap::wgsl())),
             name => self.part(name),
         };

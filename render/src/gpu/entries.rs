@@ -79,11 +79,11 @@ const fn output(name: &'static str, bindings: &'static [(&'static str, Binding)]
 }
 
 /// What programs begin with that draw triangles, some of which let light through.
-const TRIANGLES: &[&str] = &["frame", "camera", "scene", "surface", "materials", "procedural", "opacity"];
+const TRIANGLES: &[&str] = &["frame", "camera", "scene", "surface", "tables", "materials", "procedural", "opacity"];
 
 /// What programs begin with that find the points of surfaces.
 const SURFACES: &[&str] =
-    &["frame", "camera", "fullscreen", "scene", "surface", "geometry", "materials", "procedural", "bumps"];
+    &["frame", "camera", "fullscreen", "scene", "surface", "geometry", "tables", "materials", "procedural", "bumps"];
 
 /// What programs begin with that shade the points of surfaces.
 const SHADING: &[&str] = &[
@@ -93,6 +93,7 @@ const SHADING: &[&str] = &[
     "scene",
     "surface",
     "geometry",
+    "tables",
     "materials",
     "procedural",
     "brdf",

@@ -9,19 +9,17 @@ use crate::{
     device::{
         GpuDevice, ModelSet,
         layout::{
-            Material, MaterialParameter, Tables, TextureSlot,
+            Material, MaterialParameter, TextureSlot,
             constants::{KIND_PROCEDURAL, MOST_PARAMETERS, NO_TABLE, READS_SECOND_UVS, READS_VERTEX_COLORS},
         },
-        storage,
+        storage, tables,
     },
 };
 use lapidary_core::{
-    brdf::{MISSING, albedo_table},
-    color::LINEAR_FROM_CODE,
+    brdf::MISSING,
     material::{self, BUMP, NORMAL},
     texture::{self, Procedural},
 };
-use wgpu::util::DeviceExt;
 
 /// The materials of a scene and their textures.
 pub struct GpuMaterials {
@@ -134,16 +132,6 @@ fn pattern_slot(slot: &texture::TextureSlot, pattern: &Procedural) -> TextureSlo
     let place = Place { first: 0, size: [1, 1], kind: KIND_PROCEDURAL };
     let (low, high) = (low.to_array(), high.to_array());
     TextureSlot { low, pattern: pattern as u32, high, octaves, ..texture_slot(slot, place) }
-}
-
-/// Linear values of the 256 sRGB codes, as a shader's own power function is too coarse; and the albedos of lobes.
-fn tables(gpu: &GpuDevice) -> wgpu::Buffer {
-    let tables = Tables { linear_from_srgb: *LINEAR_FROM_CODE, albedo: *albedo_table() };
-    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("tables"),
-        contents: bytemuck::bytes_of(&tables),
-        usage: wgpu::BufferUsages::UNIFORM,
-    })
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 mod covered;
 mod cuts;
 pub(crate) mod detail;
-mod gloss;
+pub(crate) mod gloss;
 mod gpu_sight;
 pub(crate) mod seen;
 mod vertices;
@@ -31,6 +31,7 @@ use lapidary_core::{
     implicit::{Lighting, forest::SurfelForest},
     scene::{Mesh, pose::Poses},
 };
+use rayon::prelude::*;
 use seen::{LeafSight, sight};
 use std::{collections::BTreeSet, f32::consts::FRAC_1_PI, sync::Arc};
 use vertices::VertexLeaves;
@@ -139,11 +140,11 @@ impl Seen {
             forest.pull(&sent.collect::<Vec<Vec3A>>())
         });
         if !gloss.is_empty() && (sky.shines() || sent.is_some()) {
-            let views = &*self.sight.views(forest, gloss.span());
             let (mesh, surfels, eye) = (points.mesh(), points.points(), asked.eye);
-            let seen = SeenLeaves { forest, views, mesh, surfels, eye, sent: sent.as_deref() };
-            let received = Received { from_sky: &mut of_sky, from_leaves: &mut others };
-            gloss.toward_eye(&seen, |direction| sky.radiance(direction), received);
+            let sky = &|direction| sky.radiance(direction);
+            let reflected =
+                self.sight.reflected(gloss, &SeenLeaves { forest, mesh, surfels, eye, sent: sent.as_deref(), sky });
+            gloss.toward_eye(&reflected, Received { from_sky: &mut of_sky, from_leaves: &mut others });
         }
         [of_sky, others].map(|leaves| self.at_vertices(vertices, &leaves, gloss))
     }
@@ -333,9 +334,10 @@ fn ratio(now: Vec3, before: Vec3) -> Vec3 {
     Vec3::new(of(now.x, before.x), of(now.y, before.y), of(now.z, before.z))
 }
 
-fn combined(now: &Sides, before: &Sides, combine: impl Fn(usize, Vec3, Vec3) -> Vec3) -> Sides {
+fn combined(now: &Sides, before: &Sides, combine: impl Fn(usize, Vec3, Vec3) -> Vec3 + Sync) -> Sides {
     let side = |now: &[Vec3], before: &[Vec3]| {
-        now.iter().zip(before).enumerate().map(|(vertex, (&now, &before))| combine(vertex, now, before)).collect()
+        let vertices = now.par_iter().zip(before).enumerate().with_min_len(1024);
+        vertices.map(|(vertex, (&now, &before))| combine(vertex, now, before)).collect()
     };
     Sides { front: side(&now.front, &before.front), back: side(&now.back, &before.back) }
 }

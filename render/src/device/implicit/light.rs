@@ -119,7 +119,7 @@ fn packed_lighting(lighting: &Lighting) -> Vec<LeafLighting> {
     leaves.map(packed).collect()
 }
 
-fn cells_of_sky(sky: Sky) -> Vec<Vec4> {
+pub(super) fn cells_of_sky(sky: Sky) -> Vec<Vec4> {
     (0..octahedron::CELLS).map(|cell| sky(octahedron::direction_of(cell)).extend(0.0)).collect()
 }
 

@@ -6,18 +6,27 @@ use super::{
 };
 use crate::{
     Baked, Renderer,
-    device::{Compute, Room, SharedDevice, is_emulated, layout::Disc, readback::read_range, test_adapter::on_adapter},
-    light::implicit::{
-        PoseRig, PosedLight,
-        detail::ImplicitDetail,
-        seen::sight,
-        tests::{blocked, posed, sky},
+    appearance::Appearance,
+    device::{
+        Compute, GlossRequest, Kernel, ModelSet, Room, SharedDevice, is_emulated, layout::Disc, readback::read_range,
+        test_adapter::on_adapter,
+    },
+    light::{
+        bounce::LitPoints,
+        implicit::{
+            PoseRig, PosedLight,
+            detail::ImplicitDetail,
+            gloss::{Gloss, SeenLeaves},
+            seen::sight,
+            tests::{blocked, posed, sky},
+        },
     },
     test_scenes::{Edited, glossy},
 };
 use bytemuck::{Pod, bytes_of};
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec3A};
 use lapidary_core::{
+    dataset::Dataset,
     implicit::{BinLayout, Bins, Drag, EMPTY, LeafLight, Lighting, forest::nodes::Block, node_of},
     material::BrdfModel,
     scene::{
@@ -25,7 +34,9 @@ use lapidary_core::{
         pose::{Pose, Poses},
     },
     sphere::octahedron,
+    surfel::Surfel,
     test_scenes::{cuboid, quad, room, scene_of},
+    texture::{Procedural, TextureSlot},
 };
 use std::{collections::BTreeSet, sync::MutexGuard};
 
@@ -239,6 +250,101 @@ fn light_is_that_of_the_twin() {
     let turned = |direction: Vec3| sky(-direction);
     let of_turned = gpu.light(&Lighting { sky: &turned, ..lighting }, 0).unwrap();
     assert!(worst(&of_turned.of_sky, &twin_of_sky) > 0.1, "negative control: another sky");
+}
+
+/// Gloss of a scene whose parts all have one material, and its leaves with what they see.
+struct GlossyCase {
+    baked: Baked,
+    forest: SurfelForest,
+    gloss: Gloss,
+}
+
+impl GlossyCase {
+    /// A floor with a block, of which the base color varies.
+    fn new(model: BrdfModel) -> Self {
+        let mut dataset = blocked(glossy(0.5), 4);
+        let material = &mut dataset.scene.materials[0];
+        material.model = model;
+        let checks = Procedural { low: Vec3::new(0.2, 0.9, 0.4), ..Default::default() };
+        let varies = TextureSlot { procedural: Some(checks), ..Default::default() };
+        let color = material.own_parameters().iter().find(|p| p.is_color()).expect("all models have a color");
+        material.maps.set(color.name, Some(varies));
+        let baked = Baked::from(dataset);
+        let forest = SurfelForest::new(&baked.dataset.scene.mesh, &baked.dataset.two_sided, 256);
+        let leaves = LitPoints::new(&baked, forest.surfels().collect(), 1);
+        let gloss = Gloss::new(&Appearance::of(&baked.dataset.scene), &leaves);
+        Self { baked, forest, gloss }
+    }
+}
+
+/// The kernel for a scene, after it is compiled.
+fn compiled(device: &SharedDevice, models: &ModelSet) -> Arc<Kernel> {
+    let wait = || std::thread::sleep(Duration::from_millis(10));
+    let tries = (0..6000).find_map(|_| {
+        device.gloss_kernel(models).or_else(|| {
+            wait();
+            None
+        })
+    });
+    tries.expect("it compiles within a minute")
+}
+
+#[test]
+fn gloss_is_that_of_the_twin_for_all_models() {
+    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let adapter = GpuImplicit::on(&device).unwrap();
+    for model in BrdfModel::ALL.iter().copied().filter(|model| !model.has_file()) {
+        let case = GlossyCase::new(model);
+        let (mesh, discs) = (&case.baked.dataset.scene.mesh, case.forest.discs());
+        if case.gloss.is_empty() {
+            assert!([BrdfModel::Lambert, BrdfModel::OrenNayar].contains(&model));
+            continue;
+        }
+        let mut gpu = adapter.forest(&case.forest, mesh.positions.len(), LAYOUT).unwrap();
+        gpu.walk().unwrap();
+        let views = gpu.views(0..gpu.leaves).unwrap();
+        let surfels: Vec<Surfel> = case.forest.surfels().collect();
+        let kernel = compiled(&device, &case.gloss.models().unwrap());
+        let (leaves, values) = case.gloss.packed(mesh, &surfels);
+        assert!(values.len() > 10 * model.own_parameters().len(), "leaves have their own values");
+        let table = gpu.gloss_table(kernel, leaves, &values).unwrap();
+        let sky = |direction: Vec3| octahedron::direction_of(octahedron::cell_of(direction)) * 20.0 + 20.0;
+        let sent: Vec<Vec3A> = (0..gpu.nodes).map(|node| Vec3A::splat((node % 7) as f32)).collect();
+        let both = |eye: Vec3, sent: Option<&[Vec3A]>| {
+            let seen = SeenLeaves { forest: discs, mesh, surfels: &surfels, eye, sent, sky: &sky };
+            let asked = GlossRequest { frames: &case.gloss.frames(&seen), eye, sent, sky: &sky };
+            [gpu.gloss(&table, &asked).unwrap(), case.gloss.reflected(&seen, &views)]
+        };
+        let colors = |all: &[Option<ReflectedLight>]| -> Vec<Vec3> {
+            all.iter().flat_map(|of| of.map_or([Vec3::ZERO; 3], |of| [of.sky, of.leaves, of.irradiance])).collect()
+        };
+        let [found, expected] = both(Vec3::new(1.0, 1.5, 2.0), Some(&sent));
+        let faces = |all: &[Option<ReflectedLight>]| all.iter().map(Option::is_some).collect::<Vec<_>>();
+        assert_eq!(faces(&found), faces(&expected));
+        assert!(faces(&found).contains(&true) && faces(&found).contains(&false));
+        let differ = worst(&colors(&found), &colors(&expected));
+        println!("gloss of {model:?} differs by {differ}");
+        assert!(differ < 1e-4, "{model:?}: {differ}");
+        let [elsewhere, _] = both(Vec3::new(-1.0, 0.5, 2.0), Some(&sent));
+        assert!(worst(&colors(&elsewhere), &colors(&expected)) > 0.1, "negative control: another eye");
+        let [of_sky, twin_of_sky] = both(Vec3::new(1.0, 1.5, 2.0), None);
+        assert!(worst(&colors(&of_sky), &colors(&twin_of_sky)) < 1e-4);
+        assert!(worst(&colors(&of_sky), &colors(&expected)) > 0.1, "negative control: no light of nodes");
+    }
+}
+
+#[test]
+fn leaves_whose_brdf_is_in_a_file_are_left_to_the_cores() {
+    let mut dataset = blocked(glossy(0.5), 4);
+    let models = |dataset: &Dataset| {
+        let baked = Baked::from(dataset.clone());
+        let forest = SurfelForest::new(&baked.dataset.scene.mesh, &baked.dataset.two_sided, 64);
+        let leaves = LitPoints::new(&baked, forest.surfels().collect(), 1);
+        Gloss::new(&Appearance::of(&baked.dataset.scene), &leaves).models()
+    };
+    assert!(models(&dataset).is_some());
+    dataset.scene.materials[0].model = BrdfModel::Merl;
+    assert!(models(&dataset).is_none());
 }
 
 #[test]

@@ -163,8 +163,9 @@ impl Open {
             true => value / share * open,
             false => Vec3::ZERO,
         };
-        let side =
-            |values: Vec<Vec3>, shares: &[f32]| values.into_iter().zip(shares).zip(&self.vertices).map(mean).collect();
+        let side = |values: Vec<Vec3>, shares: &[f32]| {
+            values.into_par_iter().zip(shares).zip(&self.vertices).with_min_len(1024).map(mean).collect()
+        };
         Sides { front: side(front, &self.shares[0]), back: side(back, &self.shares[1]) }
     }
 }

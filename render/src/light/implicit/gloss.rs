@@ -2,28 +2,30 @@
 
 use crate::{
     appearance::{Appearance, ResolvedAppearance},
+    device::{LeafLobes, ModelSet, ReflectedLight},
     light::bounce::LitPoints,
 };
-use glam::{Vec3, Vec3A};
+use glam::{Mat3, Vec3, Vec3A, Vec4};
 use lapidary_core::{
     brdf::SurfaceBrdf,
-    implicit::{BinLayout, EMPTY, Views, disc_forest::DiscForest},
+    implicit::{BinLayout, EMPTY, Sky, Views, disc_forest::DiscForest},
     scene::Mesh,
     simd::Vec3x8,
     sphere::SPHERE,
     surfel::Surfel,
 };
 use rayon::prelude::*;
-use std::f32::consts::PI;
+use std::{collections::HashMap, f32::consts::PI, sync::Arc};
 use wide::f32x8;
 
 /// Least albedo of a channel whose gloss is compared with diffuse light.
 const LEAST_ALBEDO: f32 = 1e-4;
 
-/// Leaves whose materials have lobes, under some materials.
-#[derive(Default)]
+/// Leaves whose materials have lobes, under some materials. Copies share them.
+#[derive(Clone, Default)]
 pub struct Gloss {
-    leaves: Vec<GlossyLeaf>,
+    leaves: Arc<[GlossyLeaf]>,
+    appearance: Arc<ResolvedAppearance>,
 }
 
 struct GlossyLeaf {
@@ -32,10 +34,9 @@ struct GlossyLeaf {
     albedo: Vec3,
 }
 
-/// What leaves see, from where they are looked at.
+/// Leaves, and from where they are looked at.
 pub struct SeenLeaves<'a> {
     pub forest: &'a DiscForest,
-    pub views: &'a Views,
     pub mesh: &'a Mesh,
     /// The leaves on the mesh.
     pub surfels: &'a [Surfel],
@@ -43,6 +44,7 @@ pub struct SeenLeaves<'a> {
     pub eye: Vec3,
     /// Radiance that each node of the forest sends, if glossy leaves reflect it too.
     pub sent: Option<&'a [Vec3A]>,
+    pub sky: Sky<'a>,
 }
 
 /// Irradiance of the leaves in W/m².
@@ -51,25 +53,17 @@ pub struct Received<'a> {
     pub from_leaves: &'a mut [Vec3],
 }
 
-/// What a leaf reflects toward the eye, as radiance in W/(m² sr).
-#[derive(Default)]
-struct Reflected {
-    sky: Vec3,
-    leaves: Vec3,
-    /// Irradiance from the leaves that it sees.
-    irradiance: Vec3,
-}
-
 impl Gloss {
     /// The glossy ones among the leaves.
-    pub fn new(appearance: &Appearance, leaves: &LitPoints) -> Self {
+    pub(crate) fn new(appearance: &Appearance, leaves: &LitPoints) -> Self {
         let appearance = ResolvedAppearance::from(appearance.clone());
         let glossy = |(leaf, surfel): (usize, &Surfel)| {
             let brdf = appearance.at_place(leaves.mesh(), surfel.place).brdf;
             let albedo = brdf.as_brdf().albedo();
             brdf.as_brdf().narrowest_lobe().map(|_| GlossyLeaf { leaf: leaf as u32, brdf, albedo })
         };
-        Self { leaves: leaves.points().par_iter().enumerate().filter_map(glossy).collect() }
+        let found: Vec<GlossyLeaf> = leaves.points().par_iter().enumerate().filter_map(glossy).collect();
+        Self { leaves: found.into(), appearance: appearance.into() }
     }
 
     /// Whether no leaf is glossy.
@@ -85,13 +79,54 @@ impl Gloss {
         }
     }
 
+    /// Whether both are the same leaves under the same materials.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.leaves, &other.leaves)
+    }
+
+    /// The models of the scene; `None` if a BRDF comes from a file, which kernels of leaves do not read.
+    pub fn models(&self) -> Option<ModelSet> {
+        let has_file = self.appearance.materials.iter().any(|material| material.model.has_file());
+        (!has_file).then(|| ModelSet::of(&self.appearance).without_maps())
+    }
+
+    /// The leaves as an adapter takes them, and the values of their models' parameters. Leaves of a material without maps share these.
+    pub fn packed(&self, mesh: &Mesh, surfels: &[Surfel]) -> (Vec<LeafLobes>, Vec<Vec4>) {
+        let (mut values, mut of_materials) = (Vec::new(), HashMap::new());
+        let lobes = self.leaves.iter().map(|&GlossyLeaf { leaf, .. }| {
+            let place = surfels[leaf as usize].place;
+            let material = self.appearance.material_there(mesh, place);
+            let known = of_materials.get(&std::ptr::from_ref(material)).copied();
+            let first = known.unwrap_or_else(|| {
+                let first = values.len() as u32;
+                let at_place = self.appearance.values_there(mesh, place);
+                values.extend(at_place.each(material.model().own_parameters()).map(|value| value.color().extend(0.0)));
+                first
+            });
+            if material.is_constant() {
+                of_materials.insert(std::ptr::from_ref(material), first);
+            }
+            LeafLobes { leaf, model: material.model(), first }
+        });
+        (lobes.collect(), values)
+    }
+
+    /// The shading frames of the leaves.
+    pub fn frames(&self, seen: &SeenLeaves) -> Vec<Mat3> {
+        self.leaves.par_iter().map(|glossy| seen.mesh.frame(&seen.surfels[glossy.leaf as usize])).collect()
+    }
+
+    /// What the leaves reflect toward the eye, by what they see; `None` for those that face away. The twin on an adapter is
+    /// `GpuForest::gloss`.
+    pub fn reflected(&self, seen: &SeenLeaves, views: &Views) -> Vec<Option<ReflectedLight>> {
+        let cells = Cells::of(views.layout());
+        self.leaves.par_iter().with_min_len(64).map(|glossy| glossy.reflected(seen, views, &cells)).collect()
+    }
+
     /// Replaces the irradiance of glossy leaves by that with which a diffuse leaf of the same albedo would reflect as much toward
     /// the eye. Leaves that face away from the eye keep theirs.
-    pub fn toward_eye(&self, seen: &SeenLeaves, sky: impl Fn(Vec3) -> Vec3 + Sync, received: Received) {
-        let cells = Cells::of(seen.views.layout());
-        let of = |glossy: &GlossyLeaf| glossy.reflected(seen, &cells, &sky);
-        let all: Vec<Option<Reflected>> = self.leaves.par_iter().with_min_len(64).map(of).collect();
-        for (reflected, glossy) in all.into_iter().zip(&self.leaves) {
+    pub fn toward_eye(&self, reflected: &[Option<ReflectedLight>], received: Received) {
+        for (reflected, glossy) in reflected.iter().zip(&*self.leaves) {
             let Some(reflected) = reflected else { continue };
             let leaf = glossy.leaf as usize;
             let (from_sky, from_leaves) = (&mut received.from_sky[leaf], &mut received.from_leaves[leaf]);
@@ -115,17 +150,17 @@ impl GlossyLeaf {
     }
 
     /// What it reflects; `None` if it faces away.
-    fn reflected(&self, seen: &SeenLeaves, cells: &Cells, sky: &(impl Fn(Vec3) -> Vec3 + Sync)) -> Option<Reflected> {
+    fn reflected(&self, seen: &SeenLeaves, views: &Views, cells: &Cells) -> Option<ReflectedLight> {
         let surfel = &seen.surfels[self.leaf as usize];
         let shading = seen.mesh.frame(surfel);
         let wo = shading.transpose() * (seen.eye - surfel.position).normalize_or_zero();
         if wo.z <= 0.0 {
             return None;
         }
-        let bins = seen.views.layout().frame_of(&seen.forest.discs()[self.leaf as usize]);
+        let bins = views.layout().frame_of(&seen.forest.discs()[self.leaf as usize]);
         let local = shading.transpose() * bins;
-        let nodes = seen.views.of_leaf(self.leaf);
-        let mut sum = Reflected::default();
+        let nodes = views.of_leaf(self.leaf);
+        let mut sum = ReflectedLight::default();
         for (block, nodes) in cells.blocks.iter().zip(nodes.chunks(8)) {
             if seen.sent.is_none() && nodes.iter().all(|&node| node != EMPTY) {
                 continue;
@@ -135,7 +170,7 @@ impl GlossyLeaf {
             for (i, &node) in nodes.iter().enumerate() {
                 let value = value.lane(i) * block.solid_angles[i];
                 match (node, seen.sent) {
-                    (EMPTY, _) => sum.sky += value * sky(bins * block.directions[i]),
+                    (EMPTY, _) => sum.sky += value * (seen.sky)(bins * block.directions[i]),
                     (node, Some(sent)) => {
                         let sent = Vec3::from(sent[node as usize]);
                         sum.leaves += value * sent;
@@ -214,25 +249,23 @@ mod tests {
             let known: Vec3 = all.iter().map(|&wi| brdf.as_brdf().brdf_cos(wi, wo) * sky(frame * wi)).sum();
             let known = known * SPHERE / all.len() as f32;
             let [mut found, mut none] = [(); 2].map(|()| vec![Vec3::ZERO; surfels.len()]);
-            let seen = SeenLeaves { forest: forest.discs(), views: &views, mesh, surfels: &surfels, eye, sent: None };
-            gloss.toward_eye(&seen, sky, Received { from_sky: &mut found, from_leaves: &mut none });
+            let mut look = |sky: Sky, found: &mut [Vec3]| {
+                let seen = SeenLeaves { forest: forest.discs(), mesh, surfels: &surfels, eye, sent: None, sky };
+                let reflected = gloss.reflected(&seen, &views);
+                gloss.toward_eye(&reflected, Received { from_sky: found, from_leaves: &mut none });
+            };
+            look(&sky, &mut found);
             let radiance = found[leaf] * gloss.leaves[leaf].albedo / PI;
             assert!((radiance / known - 1.0).abs().max_element() < 0.08, "{radiance} {known}");
             let swapped = |direction: Vec3| sky(Vec3::new(-direction.x, direction.y, direction.z));
-            gloss.toward_eye(&seen, swapped, Received { from_sky: &mut found, from_leaves: &mut none });
+            look(&swapped, &mut found);
             let other = found[leaf] * gloss.leaves[leaf].albedo / PI;
             assert!(eye.x == 0.0 || (other.y / known.y - 1.0).abs() > 0.2, "negative control: {other} {known}");
         }
-        let below = SeenLeaves {
-            forest: forest.discs(),
-            views: &views,
-            mesh,
-            surfels: &surfels,
-            eye: Vec3::new(0.0, -1.0, 0.0),
-            sent: None,
-        };
+        let eye = Vec3::new(0.0, -1.0, 0.0);
+        let below = SeenLeaves { forest: forest.discs(), mesh, surfels: &surfels, eye, sent: None, sky: &sky };
         let [mut kept, mut none] = [(); 2].map(|()| vec![Vec3::ONE; surfels.len()]);
-        gloss.toward_eye(&below, sky, Received { from_sky: &mut kept, from_leaves: &mut none });
+        gloss.toward_eye(&gloss.reflected(&below, &views), Received { from_sky: &mut kept, from_leaves: &mut none });
         assert_eq!(kept[leaf], Vec3::ONE, "it faces away");
     }
 }

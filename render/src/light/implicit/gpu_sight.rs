@@ -2,10 +2,14 @@
 
 use super::{
     cuts::NewCuts,
+    gloss::{Gloss, SeenLeaves},
     seen::{CoreSight, LeafSight},
 };
 use crate::{
-    device::{CutRequest, CutTables, DeviceCuts, GpuForest, GpuImplicit, SeenLight, SharedDevice},
+    device::{
+        CutRequest, CutTables, DeviceCuts, GlossRequest, GlossTable, GpuForest, GpuImplicit, ReflectedLight, SeenLight,
+        SharedDevice,
+    },
     error::BackendError,
 };
 use glam::Vec3;
@@ -19,6 +23,9 @@ pub struct GpuSight {
     cores: CoreSight,
     /// What stays of cuts; `None` before the first.
     tables: Option<CutTables>,
+    device: SharedDevice,
+    /// Materials of glossy leaves.
+    gloss: Option<(Gloss, GlossTable)>,
     layout: BinLayout,
 }
 
@@ -29,7 +36,14 @@ impl GpuSight {
             return None;
         }
         let gpu = GpuImplicit::on(device).and_then(|implicit| implicit.forest(forest, vertices, layout)).ok()?;
-        Some(Self { gpu: Some(gpu), cores: CoreSight::new(layout), tables: None, layout })
+        Some(Self {
+            gpu: Some(gpu),
+            cores: CoreSight::new(layout),
+            tables: None,
+            device: device.clone(),
+            gloss: None,
+            layout,
+        })
     }
 
     /// Result from the adapter; `None` from its first failure on. The cores then recompute the adapter's last result.
@@ -44,6 +58,22 @@ impl GpuSight {
             self.cores.see(forest, &BTreeSet::new());
         }
         found
+    }
+}
+
+impl GpuSight {
+    /// What glossy leaves reflect, by the adapter; `None` while it compiles, and if it does not take their BRDFs.
+    fn reflected_there(&mut self, gloss: &Gloss, seen: &SeenLeaves) -> Option<Vec<Option<ReflectedLight>>> {
+        if !self.gloss.as_ref().is_some_and(|(known, _)| known.is_same(gloss)) {
+            let kernel = self.device.gloss_kernel(&gloss.models()?)?;
+            let (leaves, values) = gloss.packed(seen.mesh, seen.surfels);
+            self.gloss = Some((gloss.clone(), self.gpu.as_ref()?.gloss_table(kernel, leaves, &values)?));
+        }
+        let (known, table) = self.gloss.take()?;
+        let asked = GlossRequest { frames: &gloss.frames(seen), eye: seen.eye, sent: seen.sent, sky: seen.sky };
+        let reflected = self.on_gpu(seen.forest, |gpu| gpu.gloss(&table, &asked));
+        self.gloss = Some((known, table));
+        reflected
     }
 }
 
@@ -89,6 +119,11 @@ impl LeafSight for GpuSight {
         let cuts = self.on_gpu(forest, |gpu| gpu.cuts(&tables, &request));
         self.tables = Some(tables);
         cuts.flatten()
+    }
+
+    fn reflected(&mut self, gloss: &Gloss, seen: &SeenLeaves) -> Vec<Option<ReflectedLight>> {
+        let there = self.reflected_there(gloss, seen);
+        there.unwrap_or_else(|| gloss.reflected(seen, &self.views(seen.forest, gloss.span())))
     }
 
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight {

@@ -1,8 +1,12 @@
 //! Visibility of leaves and the light they receive, in one pose after another: on the cores here, on a graphics adapter in
 //! [`super::gpu_sight`].
 
-use super::{cuts::NewCuts, gpu_sight::GpuSight};
-use crate::device::{Compute, DeviceCuts, SeenLight};
+use super::{
+    cuts::NewCuts,
+    gloss::{Gloss, SeenLeaves},
+    gpu_sight::GpuSight,
+};
+use crate::device::{Compute, DeviceCuts, ReflectedLight, SeenLight};
 use glam::Vec3;
 use lapidary_core::implicit::{
     BinLayout, Bins, Drag, LeafLight, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest,
@@ -21,6 +25,11 @@ pub trait LeafSight: Send {
     /// New cuts made where visibility is; `None` if views have to tell. The forest must not have changed since the last look.
     fn cuts(&mut self, _: &DiscForest, _: &NewCuts) -> Option<DeviceCuts> {
         None
+    }
+
+    /// What glossy leaves reflect toward the eye; `None` for those that face away. Their forest must not have changed since the last look.
+    fn reflected(&mut self, gloss: &Gloss, seen: &SeenLeaves) -> Vec<Option<ReflectedLight>> {
+        gloss.reflected(seen, &self.views(seen.forest, gloss.span()))
     }
 
     /// Light of the leaves with `bounces` bounces. The forest must not have changed since the last look.
