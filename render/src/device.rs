@@ -15,6 +15,7 @@ mod model_kernel;
 mod models;
 pub(crate) mod output;
 mod pace;
+pub(crate) mod pass;
 mod radiosity;
 mod rays;
 pub(crate) mod readback;
@@ -26,9 +27,8 @@ mod written;
 
 pub(crate) use adapter::{GpuDevice, is_emulated};
 pub use adapter::{Room, has_hardware};
-pub(crate) use bindings::{Binding, Bound, GroupLayout, Shaders, bind_groups, bound, module_of};
+pub(crate) use bindings::{Binding, Bound, GroupLayout, Shaders, bind_groups, bound};
 pub(crate) use buffers::{storage, uniform};
-pub(crate) use cache::PipelineCache;
 pub use compute::{AdapterFacts, Compute, SharedDevice};
 pub(crate) use fans::GpuFans;
 pub(crate) use implicit::{CutRequest, CutTables, GlossRequest, GlossTable, LeafLobes};

@@ -14,7 +14,6 @@ mod measured;
 mod meshless;
 mod passes;
 mod picture_rays;
-mod pipeline;
 mod pool;
 mod posed;
 mod probe;
@@ -24,10 +23,10 @@ mod targets;
 mod wavelet;
 
 pub use crate::device::{
-    AdapterFacts, Compute, ForestTimes, GpuForest, GpuImplicit, GpuRays, Room, ShaderSource, SharedDevice, has_hardware,
+    AdapterFacts, Compute, ForestTimes, GpuForest, GpuImplicit, GpuRays, Room, ShaderSource, SharedDevice,
+    has_hardware, pass::GpuPath,
 };
 pub use backend::{GpuBackend, PassTimes};
-pub use pipeline::GpuPath;
 pub use probe::faster_path;
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::{
     kernels::{IMPLICIT_GLOSS, KernelProgram},
     model_kernel::ModelKernel,
     models::ModelSet,
+    pass::Texts,
 };
 use crate::error::BackendError;
 use serde::Serialize;
@@ -26,13 +27,18 @@ pub enum Compute {
     Device(SharedDevice),
 }
 
-/// A graphics device and the kernels that were compiled on it. Copies share both.
+/// A graphics device, and the kernels and passes that were compiled on it. Copies share all.
 #[derive(Clone)]
 pub struct SharedDevice {
     pub(crate) gpu: Arc<GpuDevice>,
-    kernels: Arc<Mutex<HashMap<&'static str, Arc<Kernel>>>>,
+    kernels: Arc<Mutex<Kernels>>,
     gloss: ModelKernel,
+    /// Of passes.
+    pub(crate) texts: Texts,
 }
+
+/// Kernels by their texts and values of constants.
+type Kernels = HashMap<(String, Vec<u64>), Arc<Kernel>>;
 
 /// An adapter, for reports.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -107,6 +113,7 @@ impl SharedDevice {
             gpu: GpuDevice::with_cache(room, folder)?.into(),
             kernels: Arc::default(),
             gloss: ModelKernel::default(),
+            texts: Texts::default(),
         })
     }
 
@@ -144,12 +151,27 @@ impl SharedDevice {
     /// # Errors
     /// A shader that does not compile, or a lost device.
     pub(crate) fn kernel(&self, program: &KernelProgram) -> Result<Arc<Kernel>, BackendError> {
+        self.kernel_from(&Shaders::default(), program, &[])
+    }
+
+    /// The same from other shaders, with values of its specialization constants.
+    ///
+    /// # Errors
+    /// As [`Self::kernel`].
+    pub(crate) fn kernel_from(
+        &self,
+        shaders: &Shaders,
+        program: &KernelProgram,
+        constants: &[(&str, f64)],
+    ) -> Result<Arc<Kernel>, BackendError> {
+        let values = constants.iter().map(|(_, value)| value.to_bits());
+        let key = (shaders.text(&program.program)?, values.collect());
         let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = kernels.get(program.program.name) {
+        if let Some(known) = kernels.get(&key) {
             return Ok(known.clone());
         }
-        let made = Arc::new(Kernel::new(&self.gpu, &Shaders::default(), program, &[])?);
-        kernels.insert(program.program.name, made.clone());
+        let made = Arc::new(Kernel::new(&self.gpu, shaders, program, constants)?);
+        kernels.insert(key, made.clone());
         Ok(made)
     }
     /// What glossy leaves reflect, for a scene with some models; `None` while another thread compiles it.

@@ -117,12 +117,12 @@ fn packed(fan: &Fan) -> layout::Fan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::{Room, test_adapter::on_adapter};
+    use crate::device::test_adapter::{on_adapter, shared_device};
     use lapidary_core::{gather_table::RayFan, test_scenes::soup};
 
     #[test]
     fn first_hits_on_the_gpu_are_those_of_the_processor() {
-        let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+        let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
         let fan = RayFan::new(72);
         let at = |i: usize| Fan {
             origin: 0.05 * Vec3::new(i as f32, -0.7 * i as f32, 0.3),

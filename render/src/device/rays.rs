@@ -229,7 +229,7 @@ fn levels(nodes: &[BoxNode]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::{Room, test_adapter::on_adapter};
+    use crate::device::test_adapter::{on_adapter, shared_device};
     use lapidary_core::{
         ray::{DirectionSet, HalfSpace, OPEN},
         sphere::fibonacci_directions,
@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn rays_on_the_gpu_agree_with_those_on_the_processor() {
-        let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+        let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
         let rays = GpuRays::on(&device, true).unwrap();
         for (triangles, lights) in [(600, 4096), (3, 64), (0, 32)] {
             let scene = Intersector::new(&soup(5, triangles));

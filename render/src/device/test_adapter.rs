@@ -1,7 +1,22 @@
 //! The adapter that tests share.
 
+use super::{adapter::Room, compute::SharedDevice};
 use crate::error::BackendError;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The device that tests share, and with it what they have compiled. A test that loses its device takes another.
+///
+/// # Errors
+/// No adapter.
+pub fn shared_device() -> Result<SharedDevice, BackendError> {
+    static DEVICE: Mutex<Option<SharedDevice>> = Mutex::new(None);
+    let mut device = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
+    let shared = match device.take() {
+        Some(shared) => shared,
+        None => SharedDevice::new(Room::Defaults)?,
+    };
+    Ok(device.insert(shared).clone())
+}
 
 /// What `make` makes on an adapter, or `None`, said aloud, where there is no adapter and none is required. One at a time: a software
 /// adapter uses all cores by itself.

@@ -15,10 +15,10 @@ mod timing;
 
 pub use timing::PassTimes;
 
-use super::{pipeline::GpuPath, targets::Target};
+use super::targets::Target;
 use crate::{
     appearance::Appearance,
-    device::{GpuDevice, ModelSet, ShaderSource, Shaders, SharedDevice, readback},
+    device::{GpuDevice, ModelSet, ShaderSource, Shaders, SharedDevice, pass::GpuPath, readback},
     error::BackendError,
     sampling::BrdfSampling,
     summed::Summed,

@@ -1,14 +1,11 @@
 //! Passes as commands: over every pixel or some areas, by fragments or by kernels.
 
-use super::{
-    groups::Frame,
-    pipeline::{Pass, Pipeline},
-    targets::Target,
-};
+use super::{groups::Frame, targets::Target};
 use crate::device::{
     Bound, GpuDevice,
     layout::constants::{MOST_AREAS, TILE_SIDE},
     output::Output,
+    pass::{Pass, Pipeline},
     uniform,
 };
 use lapidary_core::image::Region;

@@ -12,47 +12,9 @@ use crate::device::{
     Binding::{WrittenFloats, WrittenUints},
     GroupLayout,
     output::{AREAS, FRAME, Output},
-    shaders::{MODELS, Program, TONE_CURVE},
+    pass::Entry,
+    shaders::{MODELS, TONE_CURVE},
 };
-use wgpu::TextureFormat;
-
-/// A pass that draws.
-#[derive(Clone, Copy, Debug)]
-pub struct Entry {
-    pub program: Program,
-    /// What it reads: groups 0, 1, ...
-    pub groups: &'static [GroupLayout],
-    /// Formats of the textures that it writes, if its program has no [`Output`].
-    targets: &'static [TextureFormat],
-    /// Whether it draws triangles in depth; others cover the picture.
-    pub has_depth: bool,
-    /// Specialization constants, which tell its variants apart. Without any there is one variant.
-    pub constants: &'static [&'static str],
-}
-
-impl Entry {
-    /// Formats of the textures that it writes.
-    pub fn formats(&self) -> Vec<TextureFormat> {
-        self.program.output.map_or(self.targets.to_vec(), |output| output.formats().collect())
-    }
-
-    /// With a kernel beside its fragments.
-    const fn writing(name: &'static str, parts: [&'static [&'static str]; 2], output: Output) -> Self {
-        let drawing = Self::new(name, parts);
-        Self { program: Program { output: Some(output), ..drawing.program }, ..drawing }
-    }
-
-    /// Over every pixel, in one variant.
-    const fn new(name: &'static str, parts: [&'static [&'static str]; 2]) -> Self {
-        Self {
-            program: Program { name, parts, output: None },
-            groups: &[],
-            targets: &[],
-            has_depth: false,
-            constants: &[],
-        }
-    }
-}
 
 /// Sums of a part of the light.
 const SUMS: Output = output("Sums", &[FRAME, AREAS, ("written_value", WrittenFloats), ("written_work", WrittenUints)]);
@@ -108,7 +70,7 @@ const SHADING: &[&str] = &[
 pub const VISIBILITY: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT],
     targets: &[format::TRIANGLE],
-    has_depth: true,
+    depth: Some(format::DEPTH),
     constants: &["HAS_VEILS"],
     ..Entry::new("visibility_pass", [TRIANGLES, &["visibility_pass"]])
 };
@@ -171,7 +133,7 @@ pub const MERGE: Entry = Entry {
 /// Depth from a light. What direct light of the CPU has shadow rays for, see render/src/shade/direct.rs.
 pub const SHADOW: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, ShadowViews::LAYOUT],
-    has_depth: true,
+    depth: Some(format::DEPTH),
     constants: &["HAS_VEILS"],
     ..Entry::new("shadow_pass", [TRIANGLES, &["shadow", "shadow_pass"]])
 };

@@ -7,7 +7,7 @@
 use super::scene::{CutStarts, GpuCuts};
 use crate::{
     device::{
-        GpuDevice, Kernel, Shaders,
+        GpuDevice, Kernel, Shaders, SharedDevice,
         kernels::{CountedCuts, KernelProgram, LIT_COUNT, LIT_WRITE, StoredCuts, WrittenCuts},
         layout::{
             LitUniforms,
@@ -23,6 +23,7 @@ use lapidary_core::cut::{
     lit::{DEFAULT_TAU, LitCuts},
     packed::NODES_PER_TEXEL,
 };
+use std::sync::Arc;
 use wgpu::BufferUsages as Usages;
 
 /// Cuts that one workgroup coarsens; the shader's size of workgroups.
@@ -30,8 +31,8 @@ const CUTS_PER_GROUP: u32 = 64;
 
 /// The kernels, by the tree that the cuts are over.
 pub struct LitKernels {
-    count: [Kernel; 2],
-    write: [Kernel; 2],
+    count: [Arc<Kernel>; 2],
+    write: [Arc<Kernel>; 2],
 }
 
 /// Which tree the cuts are over.
@@ -82,8 +83,9 @@ impl LitKernels {
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders) -> Result<Self, BackendError> {
-        let over = |program: &KernelProgram, field| Kernel::new(gpu, shaders, program, &[("FIELD", f64::from(field))]);
+    pub fn new(device: &SharedDevice, shaders: &Shaders) -> Result<Self, BackendError> {
+        let over =
+            |program: &KernelProgram, field| device.kernel_from(shaders, program, &[("FIELD", f64::from(field))]);
         let kernels = |program| Ok([over(program, FIELD_ENVIRONMENT)?, over(program, FIELD_SOURCES)?]);
         Ok(Self { count: kernels(&LIT_COUNT)?, write: kernels(&LIT_WRITE)? })
     }

@@ -2,14 +2,16 @@
 
 use super::{
     entries::{
-        DIRECT, DISPLAY, Entry, HISTORY, KEEP, MARKS, MERGE, MESHLESS, MIRROR_RAYS, MIRRORED_SURFACE, MIRRORS,
-        PARAMETERS, PREDICT, SECOND_RAYS, SHADOW, SKETCH, SUNS, SURFACE, VISIBILITY, WAVELET,
+        DIRECT, DISPLAY, HISTORY, KEEP, MARKS, MERGE, MESHLESS, MIRROR_RAYS, MIRRORED_SURFACE, MIRRORS, PARAMETERS,
+        PREDICT, SECOND_RAYS, SHADOW, SKETCH, SUNS, SURFACE, VISIBILITY, WAVELET,
     },
     lit::LitKernels,
-    pipeline::{GpuPath, Pass, Text, compile_soon},
 };
 use crate::{
-    device::{GpuDevice, Shaders},
+    device::{
+        Shaders, SharedDevice,
+        pass::{Entry, GpuPath, Pass, Text, compile_soon},
+    },
     error::BackendError,
     shade::mirrors::DEEPEST,
     stale::LightPart,
@@ -69,18 +71,17 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// The passes from `shaders`; those that have a kernel run so on that path. Those of `before` that are the same are taken from there.
+    /// The passes from `shaders`; those that have a kernel run so on that path. What is compiled on the device already is taken.
     ///
     /// # Errors
     /// A shader that cannot be read.
-    pub fn new(gpu: &GpuDevice, shaders: &Shaders, path: GpuPath, before: Option<&Self>) -> Result<Self, BackendError> {
-        let text = |entry: &'static Entry| Text::new(gpu, shaders, path, entry);
+    pub fn new(device: &SharedDevice, shaders: &Shaders, path: GpuPath) -> Result<Self, BackendError> {
+        let text = |entry: &'static Entry| device.texts.of(&device.gpu, shaders, path, entry);
         let all = RefCell::new(Vec::new());
         let variant = |text: &Arc<Text>, values: &[f64]| {
             let pass = text.variant(values);
-            let known = before.and_then(|before| before.all.iter().find(|known| known.is_same(&pass)).cloned());
-            all.borrow_mut().push(known.clone().unwrap_or_else(|| pass.clone()));
-            known.unwrap_or(pass)
+            all.borrow_mut().push(pass.clone());
+            pass
         };
         let pass = |entry, values: &[f64]| Ok::<_, BackendError>(variant(&text(entry)?, values));
         let (has_veils, merge) = ([f64::from(shaders.has_veils)], text(&MERGE)?);
@@ -104,10 +105,8 @@ impl Passes {
             history: pass(&HISTORY, &[])?,
             predict: pass(&PREDICT, &[])?,
             display: pass(&DISPLAY, &[])?,
-            lit: before.map_or_else(|| LitKernels::new(gpu, shaders).map(Arc::new), |before| Ok(before.lit.clone()))?,
-            merges: before
-                .filter(|before| before.merge.is_same(&merge))
-                .map_or_else(HashMap::new, |b| b.merges.clone()),
+            lit: LitKernels::new(device, shaders)?.into(),
+            merges: HashMap::new(),
             merge,
             all: all.into_inner(),
         })
@@ -118,12 +117,11 @@ impl Passes {
         self.all.iter().chain(self.merges.values())
     }
 
-    /// Compiles all of them now, and the merge in some variants.
+    /// Compiles all of them now.
     ///
     /// # Errors
     /// A shader that does not compile, with the compiler's message.
-    pub fn compile_with(&mut self, variants: Vec<MergeVariant>) -> Result<(), BackendError> {
-        variants.into_iter().for_each(|variant| drop(self.merge(variant)));
+    pub fn compile(&self) -> Result<(), BackendError> {
         compile_soon(self.all().cloned());
         check(self.all())
     }
@@ -150,9 +148,9 @@ impl Passes {
         self.all().filter_map(|pass| Some((pass.label, pass.compile_time()?))).collect()
     }
 
-    /// The variants of the merge that are in use.
-    pub fn variants(&self) -> Vec<MergeVariant> {
-        self.merges.keys().copied().collect()
+    /// Takes the variants of the merge that others have in use.
+    pub fn take_variants(&mut self, of: &Self) {
+        of.merges.keys().for_each(|&variant| drop(self.merge(variant)));
     }
 
     /// A variant of the merge.

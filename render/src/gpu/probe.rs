@@ -4,11 +4,15 @@
 use super::{
     draw::{BoundFrame, encode_areas},
     entries::PROBE,
-    pipeline::{GpuPath, Pass, Text},
     targets::{Target, format, target},
 };
 use crate::{
-    device::{GpuDevice, Shaders, SharedDevice, layout::FrameUniforms, uniform},
+    device::{
+        GpuDevice, Shaders, SharedDevice,
+        layout::FrameUniforms,
+        pass::{GpuPath, Pass},
+        uniform,
+    },
     error::BackendError,
 };
 use lapidary_core::image::Region;
@@ -28,7 +32,7 @@ const CLEARLY: f64 = 1.1;
 /// A lost device, or a driver that refuses.
 pub fn faster_path(device: &SharedDevice) -> Result<GpuPath, BackendError> {
     let gpu = &*device.gpu;
-    let pass = |path| Ok::<_, BackendError>(Text::new(gpu, &Shaders::default(), path, &PROBE)?.variant(&[]));
+    let pass = |path| Ok::<_, BackendError>(device.texts.of(gpu, &Shaders::default(), path, &PROBE)?.variant(&[]));
     let passes = [pass(GpuPath::Fragment)?, pass(GpuPath::Compute)?];
     let frame = BoundFrame::new(gpu, &uniform(gpu, "frame", &[0; size_of::<FrameUniforms>()]));
     let mut faster = GpuPath::Fragment;

@@ -6,8 +6,8 @@ mod view;
 pub use plan::{Plan, ShadowRoom, capacity, shines};
 pub use view::{ShadowViewSettings, views, views_per_point};
 
-use super::{draw::bind, pipeline::Pass, targets::format};
-use crate::device::{GpuDevice, layout::ShadowView};
+use super::{draw::bind, targets::format};
+use crate::device::{GpuDevice, layout::ShadowView, pass::Pass};
 
 /// A depth texture and what its layers show.
 pub struct ShadowMaps {

@@ -8,8 +8,10 @@ use crate::{
     Baked, Renderer,
     appearance::Appearance,
     device::{
-        Compute, GlossRequest, Kernel, ModelSet, Room, SharedDevice, is_emulated, layout::Disc, readback::read_range,
-        test_adapter::on_adapter,
+        Compute, GlossRequest, Kernel, ModelSet, Room, SharedDevice, is_emulated,
+        layout::Disc,
+        readback::read_range,
+        test_adapter::{on_adapter, shared_device},
     },
     light::{
         bounce::LitPoints,
@@ -80,7 +82,7 @@ impl Case {
 
 /// On an adapter, which others do not use meanwhile; `None`, said aloud, where there is none and none is required.
 fn adapter() -> Option<(MutexGuard<'static, ()>, GpuImplicit)> {
-    on_adapter(|| GpuImplicit::on(&SharedDevice::new(Room::Defaults)?))
+    on_adapter(|| GpuImplicit::on(&shared_device()?))
 }
 
 fn nodes_of(forest: &GpuForest) -> (Vec<Disc>, Vec<Block>) {
@@ -291,7 +293,7 @@ fn compiled(device: &SharedDevice, models: &ModelSet) -> Arc<Kernel> {
 
 #[test]
 fn gloss_is_that_of_the_twin_for_all_models() {
-    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
     let adapter = GpuImplicit::on(&device).unwrap();
     for model in BrdfModel::ALL.iter().copied().filter(|model| !model.has_file()) {
         let case = GlossyCase::new(model);
@@ -411,7 +413,7 @@ fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<Vec<u16>
 
 #[test]
 fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
-    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
     let mut glossy = blocked(glossy(0.5), 8);
     glossy.scene.materials[0].model = BrdfModel::Ggx;
     // Coarse cuts have halves that are stored as equal nodes, and joined.

@@ -1,7 +1,7 @@
 //! Each kernel against plain sums over random data, and whole solutions against those of the cores.
 
 use super::*;
-use crate::device::{Room, test_adapter::on_adapter};
+use crate::device::test_adapter::{on_adapter, shared_device};
 use fastrand::Rng;
 use lapidary_core::{
     bounds::Bounds,
@@ -140,7 +140,7 @@ fn most_apart(found: &[Mat3A], expected: &[Mat3A]) -> f32 {
 
 #[test]
 fn lists_are_exact_and_light_and_splits_are_those_of_plain_sums() {
-    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
     // More blocks than the scan takes at a time, more rays than lanes, and several buffers of rays.
     let mut random = Random::new([75, 1030, 70_000], 72);
     let row = (random.fan.directions().len() * size_of::<u32>()) as u64;
@@ -287,7 +287,7 @@ fn apart(found: &RadiosityLight, expected: &RadiosityLight) -> [usize; 2] {
 
 #[test]
 fn solutions_on_the_gpu_are_those_of_the_cores_before_and_after_a_move() {
-    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
     let (stage, moved) = (Stage::new(Vec3::ZERO), Stage::new(Vec3::new(-0.5, 0.0, -0.3)));
     let lit = Lit::new(stage.bases([90, 470, 2900]));
     let faulty = |misses_moves: bool, levels: usize| {
@@ -331,7 +331,7 @@ fn solutions_on_the_gpu_are_those_of_the_cores_before_and_after_a_move() {
 
 #[test]
 fn two_solutions_in_turns_are_those_one_after_the_other() {
-    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
     let stage = Stage::new(Vec3::ZERO);
     let [bright, mut dim] = [(); 2].map(|()| Lit::new(stage.bases([30, 90, 300])));
     dim.reflectance.iter_mut().for_each(|reflectance| *reflectance *= 0.5);

@@ -1,11 +1,10 @@
 //! The bounced light of a picture, by the passes that show it.
 
 use crate::{
-    device::GpuDevice,
+    device::{GpuDevice, pass::Pass},
     error::BackendError,
     gpu::{
-        light::GpuSources, lit::LitKernels, meshless::GpuMeshless, passes::Passes, pipeline::Pass, scene::GpuScene,
-        wavelet::GpuPatches,
+        light::GpuSources, lit::LitKernels, meshless::GpuMeshless, passes::Passes, scene::GpuScene, wavelet::GpuPatches,
     },
     light::{
         bounce::{MeshlessLight, PatchLight, SourceLighting},

@@ -7,10 +7,10 @@ use super::{
     progress::Progress,
 };
 use crate::{
+    device::pass::Pass,
     gpu::{
         draw::{BoundFrame, encode_areas},
         passes::Passes,
-        pipeline::Pass,
         targets::{Mirrored, Target},
     },
     shade::mirrors::DEEPEST,

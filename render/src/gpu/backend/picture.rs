@@ -2,12 +2,12 @@
 
 use super::{GpuBackend, groups::Groups};
 use crate::{
-    device::layout,
-    error::BackendError,
-    gpu::{
-        passes::{PartPass, check},
-        pipeline::{Pass, compile_soon},
+    device::{
+        layout,
+        pass::{Pass, compile_soon},
     },
+    error::BackendError,
+    gpu::passes::{PartPass, check},
     post::Post,
     sampling::BrdfSampling,
     shade::mirrors::DEEPEST,

@@ -1,12 +1,12 @@
 //! What draws: it changes only when shaders are compiled anew.
 
 use crate::{
-    device::{GpuDevice, ModelSet, ShaderSource, Shaders, SharedDevice, is_emulated, layout},
-    error::BackendError,
-    gpu::{
-        passes::Passes,
-        pipeline::{self, GpuPath, Pass},
+    device::{
+        GpuDevice, ModelSet, ShaderSource, Shaders, SharedDevice, is_emulated, layout,
+        pass::{self, GpuPath, Pass},
     },
+    error::BackendError,
+    gpu::passes::Passes,
     measure::compare::map::magma_stops,
     remedy::Remedy,
     shade::mirrors::DEEPEST,
@@ -46,9 +46,9 @@ impl Pipelines {
     /// A shader that cannot be read, or does not compile if it is one of a folder.
     pub fn new(device: SharedDevice, source: &ShaderSource, path: GpuPath) -> Result<Self, BackendError> {
         let shaders = Shaders { source: source.clone(), ..Default::default() };
-        let mut passes = Passes::new(&device.gpu, &shaders, path, None)?;
+        let passes = Passes::new(&device, &shaders, path)?;
         if is_edited(source) {
-            passes.compile_with(Vec::new())?;
+            passes.compile()?;
         }
         Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders, path })
     }
@@ -64,11 +64,8 @@ impl Pipelines {
     /// A shader that cannot be read, or does not compile if it is one of a folder. The previous ones stay then.
     pub fn specialize(&mut self, models: ModelSet, has_veils: bool) -> Result<(), BackendError> {
         let shaders = Shaders { models, has_veils, source: self.shaders.source.clone() };
-        let mut passes = Passes::new(self.gpu(), &shaders, self.path, Some(&self.passes))?;
-        if is_edited(&shaders.source) {
-            passes.compile_with(self.passes.variants())?;
-        }
-        (self.passes, self.shaders) = (passes, shaders);
+        self.passes = self.with(&shaders, self.path)?;
+        self.shaders = shaders;
         Ok(())
     }
 
@@ -77,19 +74,26 @@ impl Pipelines {
     /// # Errors
     /// As [`Self::new`]. The previous ones stay then.
     pub fn reload(&mut self, path: GpuPath) -> Result<(), BackendError> {
-        let mut passes = Passes::new(self.gpu(), &self.shaders, path, None)?;
-        if is_edited(&self.shaders.source) {
-            passes.compile_with(self.passes.variants())?;
-        }
-        (self.passes, self.path) = (passes, path);
+        self.passes = self.with(&self.shaders, path)?;
+        self.path = path;
         Ok(())
+    }
+
+    /// Passes from other shaders or for another path, in the same variants.
+    fn with(&self, shaders: &Shaders, path: GpuPath) -> Result<Passes, BackendError> {
+        let mut passes = Passes::new(&self.device, shaders, path)?;
+        passes.take_variants(&self.passes);
+        if is_edited(&shaders.source) {
+            passes.compile()?;
+        }
+        Ok(passes)
     }
 
     /// Compiles on other threads what a picture in a window needs, then what sketches do, and then all others, so that no first lamp or
     /// orbit waits. An emulated adapter has better use for the cores.
     pub fn compile_soon(&self, needed: &[Pass]) {
         let others = self.passes.all().filter(|_| !is_emulated(&self.gpu().info));
-        pipeline::compile_soon(needed.iter().chain(self.passes.of_sketches()).chain(others).cloned());
+        pass::compile_soon(needed.iter().chain(self.passes.of_sketches()).chain(others).cloned());
     }
 
     /// Does some work, and waits for it.

@@ -24,9 +24,14 @@ fn compiled(rig: &Rig) -> Vec<&'static str> {
     labels
 }
 
+/// Texts that no other test has compiled on the same device.
+fn unlike_others(text: &str) -> String {
+    format!("{text}\n// Of one test.\n")
+}
+
 #[test]
 fn a_picture_is_ready_once_its_passes_are_compiled_and_edits_take_over_what_they_can() {
-    let Some(mut rig) = Rig::with(&ShaderSource::Embedded, scene(), 64) else { return };
+    let Some(mut rig) = Rig::with(&ShaderSource::Changed(unlike_others), scene(), 64) else { return };
     let dataset = rig.renderer.dataset().clone();
     let view = view(ViewMode::Shaded);
     let look = |model| appearance(&dataset, model, parameters(0.5, 0.0), MaterialMaps::default());

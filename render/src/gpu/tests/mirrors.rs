@@ -3,7 +3,8 @@
 use super::twin::{another, backend};
 use crate::{
     Appearance, Backend, Background, Baked, Components, CpuBackend, LitScene, Look, Solution, View,
-    gpu::{GpuBackend, GpuPath, Room, ShaderSource, SharedDevice},
+    device::test_adapter::shared_device,
+    gpu::{GpuBackend, GpuPath, ShaderSource},
     lit_scene::edits,
     test_looks::look,
     test_scenes::{
@@ -66,7 +67,7 @@ fn changed(folder: &Path, file: &str, [from, to]: [&str; 2]) -> GpuBackend {
     let text = fs::read_to_string(folder.join(file)).unwrap();
     assert!(text.contains(from));
     fs::write(folder.join(file), text.replace(from, to)).unwrap();
-    let device = SharedDevice::new(Room::Defaults).expect("there was one before");
+    let device = shared_device().expect("there was one before");
     GpuBackend::new(device, &ShaderSource::Folder(folder.into()), GpuPath::Fragment).unwrap()
 }
 

@@ -5,8 +5,11 @@ use super::inexact;
 use crate::{
     Appearance, Backend, BackendError, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer,
     SceneLighting, ToneMap, View, ViewMode,
-    device::{layout::Vertex, test_adapter::on_adapter},
-    gpu::{GpuBackend, GpuPath, Room, ShaderSource, SharedDevice},
+    device::{
+        layout::Vertex,
+        test_adapter::{on_adapter, shared_device},
+    },
+    gpu::{GpuBackend, GpuPath, ShaderSource},
     shade::surface::Surfaces,
     shade::{
         differentials::Differentials,
@@ -49,7 +52,7 @@ pub(super) fn backend_of(source: &ShaderSource) -> Option<(MutexGuard<'static, (
 }
 
 fn on(source: &ShaderSource, path: GpuPath) -> Result<GpuBackend, BackendError> {
-    GpuBackend::new(SharedDevice::new(Room::Defaults)?, source, path)
+    GpuBackend::new(shared_device()?, source, path)
 }
 
 /// How the tests of the GPU run its passes: `LAPIDARY_GPU_PATH=compute` takes the kernels.

@@ -253,7 +253,7 @@ fn boxes(mesh: &Mesh, objects: &BTreeSet<u32>) -> BTreeMap<u32, Bounds> {
 mod tests {
     use super::*;
     use crate::{
-        device::{Room, SharedDevice, test_adapter::on_adapter},
+        device::test_adapter::{on_adapter, shared_device},
         light::bounce::meshless::functions::tests::with_functions_of_objects,
         test_scenes::{linked_floor_and_wall, point_light},
     };
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn a_device_finds_the_light_of_the_cores_and_after_a_move_that_of_a_fresh_solution() {
-        let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+        let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
         let mut dataset = linked_floor_and_wall();
         let scene = &mut dataset.scene;
         for triangle in 0..scene.mesh.triangles.len() {

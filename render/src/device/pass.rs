@@ -1,10 +1,13 @@
-//! Pipelines of the passes that draw, built from their entries.
+//! Pipelines of passes that draw, built from their entries. What draws on one device shares them.
 
-use super::{entries::Entry, targets::format};
-use crate::{
-    device::{GpuDevice, PipelineCache, Shaders, module_of, output::Output},
-    error::BackendError,
+use super::{
+    adapter::GpuDevice,
+    bindings::{GroupLayout, Shaders, module_of},
+    cache::PipelineCache,
+    output::Output,
+    shaders::Program,
 };
+use crate::error::BackendError;
 use serde::{Deserialize, Serialize};
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -15,6 +18,7 @@ use std::{
     thread,
     time::{Duration, Instant},
 };
+use wgpu::TextureFormat;
 
 /// How passes run that have two entry points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,12 +31,89 @@ pub enum GpuPath {
     Compute,
 }
 
+/// A pass that draws.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    pub program: Program,
+    /// What it reads: groups 0, 1, ...
+    pub groups: &'static [GroupLayout],
+    /// Formats of the textures that it writes, if its program has no [`Output`].
+    pub targets: &'static [TextureFormat],
+    /// Format of the depth in which it draws triangles; passes without one cover the picture.
+    pub depth: Option<TextureFormat>,
+    /// Specialization constants, which tell its variants apart. Without any there is one variant.
+    pub constants: &'static [&'static str],
+}
+
+impl Entry {
+    /// Over every pixel, in one variant.
+    pub const fn new(name: &'static str, parts: [&'static [&'static str]; 2]) -> Self {
+        Self { program: Program { name, parts, output: None }, groups: &[], targets: &[], depth: None, constants: &[] }
+    }
+
+    /// With a kernel beside its fragments.
+    pub const fn writing(name: &'static str, parts: [&'static [&'static str]; 2], output: Output) -> Self {
+        let drawing = Self::new(name, parts);
+        Self { program: Program { output: Some(output), ..drawing.program }, ..drawing }
+    }
+
+    /// Formats of the textures that it writes.
+    pub fn formats(&self) -> Vec<TextureFormat> {
+        self.program.output.map_or(self.targets.to_vec(), |output| output.formats().collect())
+    }
+}
+
+/// The texts of passes on a device, each once for all that draw with it. Copies share them.
+#[derive(Clone, Default)]
+pub struct Texts {
+    known: Arc<Mutex<Vec<Weak<Text>>>>,
+}
+
+impl Texts {
+    /// The text of a pass, which is a kernel on that path if it can be.
+    ///
+    /// # Errors
+    /// A shader that cannot be read.
+    pub fn of(
+        &self,
+        gpu: &GpuDevice,
+        shaders: &Shaders,
+        path: GpuPath,
+        entry: &'static Entry,
+    ) -> Result<Arc<Text>, BackendError> {
+        let text = shaders.text(&entry.program)?;
+        let mut all = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|known| known.strong_count() > 0);
+        let is_same = |known: &Arc<Text>| (known.path, &known.text) == (path, &text);
+        if let Some(known) = all.iter().filter_map(Weak::upgrade).find(is_same) {
+            return Ok(known);
+        }
+        let new = Arc::new(Text {
+            entry,
+            text,
+            gpu: gpu.clone(),
+            path,
+            variants: Mutex::default(),
+            #[cfg(test)]
+            kept: Mutex::default(),
+            module: OnceLock::new(),
+        });
+        all.push(Arc::downgrade(&new));
+        Ok(new)
+    }
+}
+
 /// The text of a pass, of which variants are built.
 pub struct Text {
     entry: &'static Entry,
     text: String,
     gpu: GpuDevice,
     path: GpuPath,
+    /// Those in use.
+    variants: Mutex<Vec<Weak<Variant>>>,
+    /// Tests share a device, and what one has compiled stays for the next.
+    #[cfg(test)]
+    kept: Mutex<Vec<Arc<Variant>>>,
     /// With what the compiler says against it.
     module: OnceLock<(wgpu::ShaderModule, Option<String>)>,
 }
@@ -72,37 +153,21 @@ pub enum Pipeline {
 }
 
 impl Text {
-    /// The text of a pass, which is a kernel on that path if it can be.
-    ///
-    /// # Errors
-    /// A shader that cannot be read.
-    pub fn new(
-        gpu: &GpuDevice,
-        shaders: &Shaders,
-        path: GpuPath,
-        entry: &'static Entry,
-    ) -> Result<Arc<Self>, BackendError> {
-        let text = shaders.text(&entry.program)?;
-        Ok(Self { entry, text, gpu: gpu.clone(), path, module: OnceLock::new() }.into())
-    }
-
-    /// Whether it is the same text for the same path.
-    pub fn is_same(&self, other: &Self) -> bool {
-        (self.path, &self.text) == (other.path, &other.text)
-    }
-
     /// The variant with these values of the constants of its entry.
     pub fn variant(self: &Arc<Self>, values: &[f64]) -> Pass {
         let label = self.entry.program.name;
         debug_assert_eq!(self.entry.constants.len(), values.len(), "{label}");
-        let variant = Variant {
-            text: self.clone(),
-            values: values.to_vec(),
-            built: OnceLock::new(),
-            is_queued: AtomicBool::new(false),
-            was_tried: AtomicBool::new(false),
-        };
-        Pass { label, variant: variant.into() }
+        let mut all = self.variants.lock().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|known| known.strong_count() > 0);
+        let known = all.iter().filter_map(Weak::upgrade).find(|known| known.values == values);
+        let variant = known.unwrap_or_else(|| {
+            let new = Arc::new(Variant::new(self.clone(), values));
+            all.push(Arc::downgrade(&new));
+            #[cfg(test)]
+            self.kept.lock().unwrap_or_else(PoisonError::into_inner).push(new.clone());
+            new
+        });
+        Pass { label, variant }
     }
 
     fn module(&self) -> &(wgpu::ShaderModule, Option<String>) {
@@ -129,11 +194,6 @@ impl Pass {
     /// What it took to compile, if it is.
     pub fn compile_time(&self) -> Option<Duration> {
         self.variant.built.get().map(|built| built.time)
-    }
-
-    /// Whether it is the same variant of the same text.
-    pub fn is_same(&self, other: &Self) -> bool {
-        self.variant.values == other.variant.values && self.variant.text.is_same(&other.variant.text)
     }
 
     /// The device that it is compiled on.
@@ -189,6 +249,11 @@ fn next(queue: &Mutex<std::vec::IntoIter<Weak<Variant>>>) -> Option<Arc<Variant>
 }
 
 impl Variant {
+    fn new(text: Arc<Text>, values: &[f64]) -> Self {
+        let [is_queued, was_tried] = [(); 2].map(|()| AtomicBool::new(false));
+        Self { text, values: values.to_vec(), built: OnceLock::new(), is_queued, was_tried }
+    }
+
     fn built(&self) -> &Built {
         self.built.get_or_init(|| self.build())
     }
@@ -249,7 +314,7 @@ impl Variant {
                 buffers: &[],
             },
             primitive: Default::default(),
-            depth_stencil: entry.has_depth.then(depth),
+            depth_stencil: entry.depth.map(depth),
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
                 module,
@@ -273,9 +338,9 @@ fn told<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> (T, Option<String
 }
 
 /// Depth grows toward the eye and is 0 at infinity: floats are finest near 0.
-fn depth() -> wgpu::DepthStencilState {
+fn depth(format: TextureFormat) -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
-        format: format::DEPTH,
+        format,
         depth_write_enabled: Some(true),
         depth_compare: Some(wgpu::CompareFunction::Greater),
         stencil: Default::default(),
