@@ -58,9 +58,9 @@ fn reflect_leaves(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
 // Sum over every 64th cell.
 fn reflected_by(number: u32, lane: u32) -> Reflected {
     var sum = Reflected();
-    let of = materials[number];
-    let shading = mat3x3(of.tangent, of.bitangent, of.normal);
-    let disc = discs[of.leaf];
+    let glossy = materials[number];
+    let shading = mat3x3(glossy.tangent, glossy.bitangent, glossy.normal);
+    let disc = discs[glossy.leaf];
     let wo = frame_from_world(shading, unit_or_zero(uniforms.eye - disc.position));
     if !(wo.z > 0.0) {
         return sum;
@@ -72,7 +72,7 @@ fn reflected_by(number: u32, lane: u32) -> Reflected {
     // The integral of the cosine over a cell.
     let weight = PI / f32(cells);
     for (var cell = lane; cell < cells; cell += LANES) {
-        let node = views[cells * of.leaf + cell];
+        let node = views[cells * glossy.leaf + cell];
         if node != EMPTY && uniforms.has_sent == 0u {
             continue;
         }

@@ -84,7 +84,8 @@ impl Texts {
         let text = shaders.text(&entry.program)?;
         let mut all = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         all.retain(|known| known.strong_count() > 0);
-        let is_same = |known: &Arc<Text>| (known.path, &known.text) == (path, &text);
+        let name = entry.program.name;
+        let is_same = |known: &Arc<Text>| (known.entry.program.name, known.path, &known.text) == (name, path, &text);
         if let Some(known) = all.iter().filter_map(Weak::upgrade).find(is_same) {
             return Ok(known);
         }
