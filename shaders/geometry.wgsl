@@ -2,13 +2,15 @@
 //
 // geometry: x = triangle + 1, or 0 for nothing; y, z = barycentric weights of the second and third corner (f32 bits);
 //           w = bit 8 back side seen, bit 9 mirrored frame, bit 10 nothing is reflected, bit 11
-//           ground that catches shadows; of what mirrors show, bits 16 to 31 the width of the ray's cone.
+//           ground that catches shadows, bit 12 shading normal bent by a map; of what mirrors show, bits 16 to 31 the
+//           width of the ray's cone.
 // frame:    the rotation from the local frame (before mirroring) to the world as a quaternion.
 
 const FLAG_BACK: u32 = 0x100u;
 const FLAG_MIRRORED: u32 = 0x200u;
 const FLAG_BLACK: u32 = 0x400u;
 const FLAG_CATCHER: u32 = 0x800u;
+const FLAG_BENT: u32 = 0x1000u;
 // The upper half of a number in single precision, which is precise enough.
 const WIDTH_BITS: u32 = 0xffff0000u;
 

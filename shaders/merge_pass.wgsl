@@ -25,24 +25,33 @@ fn written_at(texel: vec2<u32>) -> Sums {
     let point = surface_point(g, pixel, direction);
     var shaded = no_light();
     if FIELD != FIELD_NONE && needs_merge() {
-        shaded = merge_cuts(point);
+        shaded = merge_cuts(texel, point);
     }
-    let begun = begun_again(pixel, shaded);
+    let begun = begun_again(texel, shaded.merged_nodes);
     let work = vec2(shaded.merged_nodes, shaded.brdf_evaluations);
     // The first part also has values that need no merge.
     if !IS_FIRST {
         let value = select(vec3(0.0), view_value(begun, point, shaded), needs_merge());
         return with_sample(begun, vec4(value, 0.0), work);
     }
-    let wire = select(0.0, wireframe_coverage(pixel, point.vertices), frame.wireframe != 0u);
+    let wire = select(0.0, wireframe_coverage(begun.pixel, corners_of(begun.g)), frame.wireframe != 0u);
     return with_sample(begun, vec4(view_value(begun, point, shaded), wire), work);
 }
 
-// A pixel after its merge. What was read before is read again, from a place of which compilers do not know that it is the same: as much
-// would otherwise wait in registers.
-fn begun_again(pixel: vec2<u32>, shaded: Shaded) -> Begun {
-    let place = pixel + select(0u, 1u, shaded.merged_nodes == 0xffffffffu);
-    return Begun(pixel, previous_sums(place), textureLoad(geometry, place, 0), false, true);
+// A pixel after its merge. What the merge does not need is read or computed again, from a place of which compilers do not know that it
+// is the same: as much would otherwise wait in registers.
+fn begun_again(texel: vec2<u32>, merged_nodes: u32) -> Begun {
+    let pixel = pixel_again(texel, merged_nodes);
+    return Begun(pixel, previous_sums(pixel), textureLoad(geometry, pixel, 0), false, true);
+}
+
+// The pixel of a texel, unknown to compilers.
+fn pixel_again(texel: vec2<u32>, merged_nodes: u32) -> vec2<u32> {
+    return (texel + select(0u, 1u, merged_nodes == 0xffffffffu)) * frame.stride;
+}
+
+fn corners_of(g: vec4<u32>) -> vec3<u32> {
+    return triangles[g.x - 1u].vertices;
 }
 
 fn needs_merge() -> bool {
@@ -54,33 +63,48 @@ fn is_work(mode: u32) -> bool {
     return mode == VIEW_MERGED_CUT || mode == VIEW_BRDF_EVALUATIONS;
 }
 
-// Value of a surface in the view mode. Values of the meshless basis belong to bounced light.
+// Value of a surface in the view mode, of its point by what the merge needs, too. Values of the meshless basis belong to bounced light.
 fn view_value(begun: Begun, point: SurfacePoint, shaded: Shaded) -> vec3<f32> {
     switch frame.view_mode {
         case VIEW_NORMALS: { return point.world_from_local[2] * 0.5 + 0.5; }
         case VIEW_ALBEDO: { return textureLoad(color_roughness, begun.pixel, 0).xyz; }
         case VIEW_ROUGHNESS: { return vec3(textureLoad(color_roughness, begun.pixel, 0).w); }
-        case VIEW_VISIBILITY_CUT: { return vec3(interpolated_cut_len(point)); }
+        case VIEW_VISIBILITY_CUT: { return vec3(interpolated_cut_len(begun.g, point.weights)); }
         case VIEW_MERGED_CUT: { return vec3(f32(shaded.merged_nodes)); }
         case VIEW_BRDF_EVALUATIONS: { return vec3(f32(shaded.brdf_evaluations)); }
         case VIEW_GLOSS: { return signed_light(luminance(shaded.radiance)); }
         case VIEW_BASIS_LEVEL, VIEW_BASIS_FUNCTION, VIEW_BASIS_COEFFICIENTS: { return vec3(0.0); }
-        default: { return light_value(point, (begun.g.w & FLAG_BACK) != 0u, shaded.radiance); }
+        default: { return light_value(begun, shaded.radiance); }
     }
 }
 
 // The light of this part in the current poses, from the baked light.
-fn light_value(point: SurfacePoint, from_behind: bool, as_baked: vec3<f32>) -> vec3<f32> {
-    if !IS_FIRST {
-        return with_posed_bounce(point, from_behind, as_baked);
+fn light_value(begun: Begun, as_baked: vec3<f32>) -> vec3<f32> {
+    var light = as_baked;
+    if POSED {
+        light = posed_light(begun, as_baked);
     }
-    let emitted = select(vec3(0.0), point.emission, frame.shows_emission != 0u);
-    return with_posed_ratio(point, from_behind, as_baked) + emitted;
+    if IS_FIRST && HAS_EMISSION && frame.shows_emission != 0u {
+        light += begun_point(begun).emission;
+    }
+    return light;
 }
 
-fn interpolated_cut_len(point: SurfacePoint) -> f32 {
-    let v = point.vertices;
-    return dot(point.weights, vec3(f32(vertices[v.x].cut_len), f32(vertices[v.y].cut_len), f32(vertices[v.z].cut_len)));
+// Whether vertices have light beside that of the tree. Without it kernels have 24 vector registers less on AMD's RDNA 2.
+override POSED: bool = true;
+
+fn posed_light(begun: Begun, as_baked: vec3<f32>) -> vec3<f32> {
+    let point = begun_point(begun);
+    let from_behind = (begun.g.w & FLAG_BACK) != 0u;
+    if IS_FIRST {
+        return with_posed_ratio(point, from_behind, as_baked);
+    }
+    return with_posed_bounce(point, from_behind, as_baked);
+}
+
+fn interpolated_cut_len(g: vec4<u32>, weights: vec3<f32>) -> f32 {
+    let v = corners_of(g);
+    return dot(weights, vec3(f32(vertices[v.x].cut_len), f32(vertices[v.y].cut_len), f32(vertices[v.z].cut_len)));
 }
 
 struct Shaded {
@@ -108,7 +132,7 @@ override LIT: bool = true;
 
 // Threads of a group diverge least if each first searches for its next node with visible light: the inner loop skips others, and
 // the outer one evaluates one node per iteration.
-fn merge_cuts(point: SurfacePoint) -> Shaded {
+fn merge_cuts(texel: vec2<u32>, point: SurfacePoint) -> Shaded {
     let leaves = 1u << tree_height();
     var a = cut_begin(point.vertices.x);
     var b = cut_begin(point.vertices.y);
@@ -124,8 +148,7 @@ fn merge_cuts(point: SurfacePoint) -> Shaded {
     let lobes = lobes_to_follow(point);
     let mirror = mirror_at(point);
     var first = 0u;
-    // The node of the merged cut with its leaves, and the part being tested.
-    var interval = vec2(0u);
+    // The node of the merged cut, which ends before leaf `first`, and the part being tested.
     var is_lit = false;
     var visibility = 0.0;
     var root = 0u;
@@ -139,7 +162,6 @@ fn merge_cuts(point: SurfacePoint) -> Shaded {
             let end = min(min(ends.x, ends.y), min(ends.z, last));
             visibility = w.x * cursor_value(a) + w.y * cursor_value(b) + w.z * cursor_value(c);
             shaded.merged_nodes += 1u;
-            interval = vec2(first, end);
             root = (leaves + first) >> firstTrailingBit(end - first);
             if visibility > 0.0 || shows_in_window(point, mirror, root) {
                 node = root;
@@ -162,12 +184,14 @@ fn merge_cuts(point: SurfacePoint) -> Shaded {
         let whole = seen_from(point, node);
         let is_wide = shows_in_lobe(whole, lobes);
         if LIT && is_wide && is_lit && visibility > 0.0 && node == root {
-            first = interval.x;
-            stored_end = interval.y;
+            stored_end = first;
+            first = first_leaf(root);
             resumed = vec3(a.position, b.position, c.position);
-            a = stored_below(a, cut_offset(point.vertices.x), first, stored_end);
-            b = stored_below(b, cut_offset(point.vertices.y), first, stored_end);
-            c = stored_below(c, cut_offset(point.vertices.z), first, stored_end);
+            // Too seldom for the vertices to wait in registers.
+            let corners = corners_of(textureLoad(geometry, pixel_again(texel, shaded.merged_nodes), 0));
+            a = stored_below(a, cut_offset(corners.x), first, stored_end);
+            b = stored_below(b, cut_offset(corners.y), first, stored_end);
+            c = stored_below(c, cut_offset(corners.z), first, stored_end);
             shaded.merged_nodes -= 1u;
             node = 0u;
             continue;
@@ -217,6 +241,11 @@ fn lobes_to_follow(point: SurfacePoint) -> vec3<f32> {
     let all = widened_lobes(point);
     let lobes = vec3(min(all[0].x, all[0].y), min(all[1].x, all[1].y), min(all[2].x, all[2].y));
     return select(vec3(0.0), max(lobes, vec3(NARROWEST)), vec3(REFINE) & (lobes > vec3(0.0)));
+}
+
+// First leaf below a node.
+fn first_leaf(node: u32) -> u32 {
+    return (node << (tree_height() - firstLeadingBit(node))) - (1u << tree_height());
 }
 
 // Leaves below a node.

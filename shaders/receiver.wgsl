@@ -26,12 +26,15 @@ fn share_above_horizon(c: vec2<f32>) -> f32 {
     return clamp((c.x + c.y) / max(2.0 * c.y, 1e-6), 0.0, 1.0);
 }
 
+// Whether any material has a map that bends shading normals.
+override BENT: bool = true;
+
 // A light as received by the surface, above the horizons of both normals.
 fn received_light(point: SurfacePoint, direction: vec3<f32>, wi: vec3<f32>, inv_kappa: f32) -> Light {
     let moments = lobe_moments(inv_kappa);
     let shading = cosines(moments, wi.z);
     var light = Light(wi, inv_kappa, point.slopes, mean_above_horizon(shading), wi.z > 0.0);
-    if any(point.world_from_local[2] != point.smooth_normal) {
+    if BENT && point.is_bent {
         let to_smooth = dot(direction, point.smooth_normal);
         let seen = share_above_horizon(cosines(moments, to_smooth));
         let share = min(share_above_horizon(shading) / max(seen, 1e-6), 1.0);

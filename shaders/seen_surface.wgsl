@@ -26,6 +26,7 @@ fn surface_seen(id: u32, hit: Hit, direction: vec3<f32>) -> Surface {
     let rotation = frame_around(facing(bumped, -direction), tangent, 1.0);
     var flags = select(0u, FLAG_CATCHER, catches);
     flags |= select(0u, FLAG_BACK, hit.side < 0.0);
+    flags |= select(0u, FLAG_BENT, any(bumped != smoothed));
     flags |= select(0u, FLAG_MIRRORED, handedness < 0.0);
     flags |= select(0u, FLAG_BLACK, hit.side < 0.0 && (triangle.material & TWO_SIDED) == 0u);
     let b = bitcast<vec2<u32>>(hit.barycentric.yz);

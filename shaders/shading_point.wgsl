@@ -83,6 +83,8 @@ struct SurfacePoint {
     face_normal: vec3<f32>,
     // Interpolated normal before bump and normal map; the surface receives no light from below it.
     smooth_normal: vec3<f32>,
+    // Whether a map bends the shading normal away from it.
+    is_bent: bool,
     world_from_local: mat3x3<f32>,
     wo: vec3<f32>,
     brdf: Brdf,
@@ -127,6 +129,7 @@ fn surface_point(g: vec4<u32>, pixel: vec2<u32>, direction: vec3<f32>) -> Surfac
         position,
         normalize_or(across * hit.side, -direction),
         smoothed,
+        (g.w & FLAG_BENT) != 0u,
         local,
         -direction * local,
         brdf,

@@ -102,7 +102,7 @@ pub const MARKS: Entry = Entry {
 /// [`MergeVariant`](super::passes::MergeVariant).
 pub const MERGE: Entry = Entry {
     groups: &[Frame::LAYOUT, Scene::LAYOUT, Light::LAYOUT, Shading::LAYOUT],
-    constants: &["FIELD", "IS_FIRST", "REFINE", "LIT", "MIRRORS", "BY_DIRECTION"],
+    constants: &["FIELD", "IS_FIRST", "REFINE", "LIT", "MIRRORS", "BY_DIRECTION", "POSED", "BENT"],
     ..Entry::writing(
         "merge_pass",
         [

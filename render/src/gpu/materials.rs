@@ -29,6 +29,8 @@ pub struct GpuMaterials {
     pub measured: GpuMeasured,
     /// No lobe is narrower.
     pub narrowest: f32,
+    /// Whether any has a bump or a normal map.
+    pub are_bent: bool,
 }
 
 impl GpuMaterials {
@@ -52,7 +54,9 @@ impl GpuMaterials {
         let materials: Vec<Material> = appearance.materials.iter().map(material).collect();
         let buffer = storage(gpu, "materials", bytemuck::cast_slice(&materials));
         let narrowest = appearance.materials.iter().map(narrowest_lobe).fold(f32::INFINITY, f32::min);
-        let materials = Self { buffer, pool, tables: tables(gpu), measured, narrowest };
+        let is_bent = |m: &material::Material| [NORMAL, BUMP].into_iter().any(|name| m.maps.get(name).is_some());
+        let are_bent = appearance.materials.iter().any(is_bent);
+        let materials = Self { buffer, pool, tables: tables(gpu), measured, narrowest, are_bent };
         (materials, messages)
     }
 }

@@ -31,13 +31,19 @@ pub struct MergeVariant {
     pub mirrors: u32,
     /// Whether nodes send by direction.
     pub by_direction: bool,
+    /// Whether vertices have light beside that of the tree, see [`PosedLight`](crate::light::implicit::PosedLight).
+    pub posed: bool,
+    /// Whether bump or normal maps bend shading normals.
+    pub bent: bool,
 }
 
 impl MergeVariant {
     /// Values of the constants of [`MERGE`].
-    fn values(self) -> [f64; 6] {
-        let Self { field, is_first, refine, lit, mirrors, by_direction } = self;
-        [field, is_first.into(), refine.into(), lit.into(), mirrors, by_direction.into()].map(f64::from)
+    fn values(self) -> [f64; 8] {
+        let Self { field, is_first, refine, lit, mirrors, by_direction, posed, bent } = self;
+        let [is_first, refine, lit, by_direction, posed, bent] =
+            [is_first, refine, lit, by_direction, posed, bent].map(u32::from);
+        [field, is_first, refine, lit, mirrors, by_direction, posed, bent].map(f64::from)
     }
 }
 

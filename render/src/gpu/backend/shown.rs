@@ -232,7 +232,10 @@ impl Shown {
         for (part, field, light) in self.merged(gpu) {
             let is_first = part == LightPart::Environment;
             let mut merge = |mirrors| {
-                let pass = passes.merge(self.merge_variant(field, is_first, sampling, mirrors));
+                let variant = self.merge_variant(field, is_first, sampling, mirrors);
+                // The next may be a pose. On a card it is compiled when all else is.
+                passes.merge(MergeVariant { posed: true, ..variant });
+                let pass = passes.merge(variant);
                 PartPass { part, pass, light: light.clone(), suns: None }
             };
             all.push(merge(has_mirrors));
@@ -269,6 +272,8 @@ impl Shown {
             lit: sampling == BrdfSampling::Lit,
             by_direction: field == FIELD_SOURCES
                 && self.bounce.sources.as_ref().is_some_and(|s| s.tree.sends_by_direction),
+            posed: self.bounce.light.posed.is_some(),
+            bent: materials.are_bent,
         }
     }
 
