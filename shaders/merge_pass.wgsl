@@ -90,7 +90,7 @@ fn light_value(begun: Begun, as_baked: vec3<f32>) -> vec3<f32> {
     return light;
 }
 
-// Whether vertices have light beside that of the tree. Without it kernels have 24 vector registers less on AMD's RDNA 2.
+// Whether vertices have light beside that of the tree. Without it the kernel has up to 32 vector registers less on RDNA 2.
 override POSED: bool = true;
 
 fn posed_light(begun: Begun, as_baked: vec3<f32>) -> vec3<f32> {

@@ -57,7 +57,7 @@ fn a_picture_is_ready_once_its_passes_are_compiled_and_edits_take_over_what_they
 
 /// A merge that calls what is not there.
 fn broken(text: &str) -> String {
-    text.replace("shaded = merge_cuts(point);", "shaded = merge_cats(point);")
+    text.replace("shaded = merge_cuts(texel, point);", "shaded = merge_cats(texel, point);")
 }
 
 #[test]
