@@ -134,6 +134,11 @@ impl ResolvedMaterial {
         self.model
     }
 
+    /// Values of all parameters without maps, clamped to their ranges.
+    pub fn plain_values(&self) -> &Values {
+        &self.plain
+    }
+
     /// Whether its parameters have the same values everywhere.
     pub fn is_constant(&self) -> bool {
         self.constant.is_some()

@@ -7,8 +7,9 @@ use crate::{
 };
 use glam::{Mat3, Vec3, Vec3A, Vec4};
 use lapidary_core::{
-    brdf::SurfaceBrdf,
+    brdf::{SurfaceBrdf, Values},
     implicit::{BinLayout, EMPTY, Sky, Views, disc_forest::DiscForest},
+    material::ResolvedMaterial,
     scene::Mesh,
     simd::Vec3x8,
     sphere::SPHERE,
@@ -92,23 +93,29 @@ impl Gloss {
 
     /// The leaves as an adapter takes them, and the values of their models' parameters. Leaves of a material without maps share these.
     pub fn packed(&self, mesh: &Mesh, surfels: &[Surfel]) -> (Vec<LeafLobes>, Vec<Vec4>) {
-        let (mut values, mut of_materials) = (Vec::new(), HashMap::new());
-        let lobes = self.leaves.iter().map(|&GlossyLeaf { leaf, .. }| {
-            let place = surfels[leaf as usize].place;
+        let own = |glossy: &GlossyLeaf| {
+            let place = surfels[glossy.leaf as usize].place;
             let material = self.appearance.material_there(mesh, place);
-            let known = of_materials.get(&std::ptr::from_ref(material)).copied();
-            let first = known.unwrap_or_else(|| {
-                let first = values.len() as u32;
-                let at_place = self.appearance.values_there(mesh, place);
-                values.extend(at_place.each(material.model().own_parameters()).map(|value| value.color().extend(0.0)));
-                first
-            });
-            if material.is_constant() {
-                of_materials.insert(std::ptr::from_ref(material), first);
-            }
+            (material, (!material.is_constant()).then(|| self.appearance.values_there(mesh, place)))
+        };
+        let own: Vec<(&ResolvedMaterial, Option<Values>)> = self.leaves.par_iter().map(own).collect();
+        let (mut all, mut of_materials) = (Vec::new(), HashMap::new());
+        let mut push = |material: &ResolvedMaterial, values: &Values| {
+            let first = all.len() as u32;
+            all.extend(values.each(material.model().own_parameters()).map(|value| value.color().extend(0.0)));
+            first
+        };
+        let lobes = own.iter().zip(&*self.leaves).map(|((material, own), &GlossyLeaf { leaf, .. })| {
+            let first = match own {
+                Some(values) => push(material, values),
+                None => {
+                    let shared = || push(material, material.plain_values());
+                    *of_materials.entry(std::ptr::from_ref(*material)).or_insert_with(shared)
+                }
+            };
             LeafLobes { leaf, model: material.model(), first }
         });
-        (lobes.collect(), values)
+        (lobes.collect(), all)
     }
 
     /// The shading frames of the leaves.
