@@ -6,14 +6,6 @@ struct RayUniforms {
     words: u32,
 }
 
-struct RayOrigin {
-    origin: vec3<f32>,
-    // Count directions whose cosine to the normal is greater, or all others.
-    height: f32,
-    normal: vec3<f32>,
-    is_above: u32,
-}
-
 @group(1) @binding(0) var<uniform> rays: RayUniforms;
 @group(1) @binding(1) var<storage, read> directions: array<vec4<f32>>;
 @group(1) @binding(2) var<storage, read> origins: array<RayOrigin>;
@@ -30,8 +22,7 @@ fn trace(
     if index < rays.directions {
         let at = origins[group.y];
         let direction = directions[index].xyz;
-        let is_wanted = (ordered_dot(direction, at.normal) > at.height) == (at.is_above != 0u);
-        if is_wanted && !is_occluded(at.origin, direction) {
+        if is_wanted(direction, at) && !is_occluded(at.origin, direction) {
             atomicOr(&bits[lane / 32u], 1u << (lane % 32u));
         }
     }

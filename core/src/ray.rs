@@ -20,9 +20,9 @@ mod segments;
 mod triangle;
 mod veils;
 
-pub use boundaries::{BoundarySet, BoundaryTracer, SegmentSet, SegmentTracer, is_number_per_probe};
+pub use boundaries::{BoundarySet, BoundaryTables, BoundaryTracer, SegmentSet, SegmentTracer, is_number_per_probe};
 pub use cones::{Blockers, Cone, EightCones, SeenThrough, wider};
-pub use device::{BoxNode, Fan, FanDevice, RayDevice, RayDevices, RayOrigin};
+pub use device::{BoxNode, Fan, FanDevice, OpenRays, RayDevice, RayDevices, RayDirections, RayOrigin};
 pub use directions::{DirectionSet, HalfSpace, in_eights, spatial_order};
 pub use eight::EightRays;
 pub use segments::SegmentBatch;

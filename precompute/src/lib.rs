@@ -24,6 +24,8 @@ mod setting;
 mod shard;
 mod sources;
 #[cfg(test)]
+mod test_devices;
+#[cfg(test)]
 mod test_scenes;
 mod trial;
 mod unshadowed;

@@ -8,5 +8,6 @@ pub mod sidedness;
 mod spread;
 pub mod tessellate;
 pub mod tracing;
+mod until_failure;
 pub mod visibility;
 pub mod z_order;

@@ -3,6 +3,7 @@
 
 mod adapter;
 mod bindings;
+mod boundaries;
 mod buffers;
 mod cache;
 mod compute;

@@ -39,7 +39,8 @@ pub struct BakeReport {
     /// Errors of following boundaries; `None` for an exhaustive bake.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub audit: Option<BakeAudit>,
-    /// Whether a graphics device traced the environment; its rays along edges may fall to either side.
+    /// Whether a graphics device traced the environment; its rays along edges may fall to either side. Vertices that a device asked
+    /// for are not marked: checks begin with the stored mesh.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub on_device: bool,
     /// How often cuts were baked anew where an edit reached. They may then be finer than those of a whole bake. Rays are those of

@@ -12,7 +12,7 @@ mod follow;
 mod graph;
 mod segments;
 
-pub use directions::{BoundarySet, BoundaryTracer};
+pub use directions::{BoundarySet, BoundaryTables, BoundaryTracer};
 pub use segments::{SegmentSet, SegmentTracer};
 
 use super::directions::GROUP;

@@ -1,6 +1,6 @@
 //! Rays traced on other devices than this machine's CPU.
 
-use super::{HalfSpace, Hit, Intersector, veils::any_threshold};
+use super::{BoundarySet, HalfSpace, Hit, Intersector, veils::any_threshold};
 use glam::{Mat3, Vec3};
 
 /// A node of the hierarchy of boxes.
@@ -25,23 +25,49 @@ pub struct RayOrigin {
     pub half: HalfSpace,
 }
 
+/// Unit directions of rays, and how visibility in them is found.
+#[derive(Clone, Copy)]
+pub enum RayDirections<'a> {
+    /// By a ray in each direction that counts.
+    All(&'a [Vec3]),
+    /// Along boundaries.
+    Along(&'a BoundarySet),
+}
+
+/// Unblocked directions from some origins.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct OpenRays {
+    /// For each origin a row of 32-bit words, as many as the directions need: the bit of a direction is set if it counts and seems
+    /// unblocked.
+    pub rows: Vec<u32>,
+    /// Number of rays traced from each origin.
+    pub counts: Vec<u32>,
+}
+
 /// A scene and a set of directions on a device.
 pub trait RayDevice: Sync {
-    /// For each origin a row of 32-bit words: the bit of a direction is set if it counts and is unblocked. Equals
-    /// [`Intersector::trace_batch`] except for rays along edges, where a device may round differently.
+    /// The unblocked directions from origins, in their order. Equals [`Intersector::trace_batch`], or
+    /// [`BoundaryTracer::trace`](super::BoundaryTracer::trace) along boundaries, except for rays along edges, where a device may
+    /// round differently.
     ///
     /// # Errors
     /// A description of the device's failure.
-    fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String>;
+    fn open(&self, origins: &[RayOrigin]) -> Result<OpenRays, String>;
 }
 
 /// A provider of ray tracing devices.
 pub trait RayDevices: Sync {
-    /// Uploads a scene and unit directions to a device; `None` leaves the rays to the CPU.
+    /// Uploads a scene and directions to a device; `None` leaves the rays to the CPU.
     ///
     /// # Errors
     /// A description of the failure, such as a scene that is too large.
-    fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String>;
+    fn device(&self, scene: &Intersector, directions: RayDirections) -> Result<Option<Box<dyn RayDevice>>, String>;
+
+    /// Uploads a scene and the unit directions of a fan, one or more, to a device; `None` leaves the rays to the CPU.
+    ///
+    /// # Errors
+    /// As [`Self::device`].
+    fn fans(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn FanDevice>>, String>;
 }
 
 /// Rays of one origin: the directions of a fan, turned.

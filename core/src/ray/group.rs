@@ -12,6 +12,7 @@ use glam::Vec3;
 use obvhs::bvh2::node::Bvh2Node;
 
 /// Eight directions, or eight segments. Unused lanes repeat the first.
+#[derive(Clone)]
 pub(super) struct RayGroup {
     pub rays: Vec3x8,
     pub inverse_rays: Vec3x8,

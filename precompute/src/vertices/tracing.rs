@@ -2,17 +2,25 @@
 
 use super::{
     points::BakePoint,
-    side::Side,
+    until_failure::UntilFailure,
     visibility::{EXHAUSTIVE, Veils, VisibilitySampler},
 };
-use crate::{
-    observer::{Event, Observer},
-    warning::Warning,
-};
+use crate::observer::Observer;
 use glam::Vec3;
-use lapidary_core::ray::{BoundarySet, BoundaryTracer, Intersector, OPEN, RayDevice, RayDevices, RayOrigin};
+use lapidary_core::ray::{
+    BoundarySet, BoundaryTracer, Intersector, OPEN, OpenRays, RayDevice, RayDevices, RayDirections, RayOrigin,
+};
 use rayon::prelude::*;
 use std::sync::OnceLock;
+
+/// Points that the cores trace between checks for cancellation.
+pub const POINTS_AT_A_TIME: usize = 256;
+
+/// Points of one piece of work for a device. The cores use what they see while the next piece is traced.
+const POINTS_PER_PIECE: usize = 1024;
+
+/// Pieces of work of a device between checks for cancellation.
+const PIECES_AT_A_TIME: usize = 4;
 
 /// Tracing method and device.
 #[derive(Clone, Copy)]
@@ -30,38 +38,29 @@ pub struct ManySampler<'a> {
     scene: &'a Intersector,
     directions: Vec<Vec3>,
     lights_per_probe: usize,
-    device: Option<DeviceSampler<'a>>,
+    device: UntilFailure<'a, Box<dyn RayDevice>>,
+    /// Thin surfaces, which a device lacks.
+    veils: Veils<'a>,
     /// Made where the cores trace.
     cores: OnceLock<VisibilitySampler<'a>>,
-    observer: &'a dyn Observer,
-}
-
-/// A scene on a device, which traces every light.
-struct DeviceSampler<'a> {
-    device: Box<dyn RayDevice>,
-    /// Boundaries to follow in the traced light, so that the device sees no more than the cores would; `None` uses all light.
-    boundaries: Option<BoundarySet>,
-    /// Thin surfaces, which the device lacks.
-    veils: Veils<'a>,
 }
 
 impl<'a> ManySampler<'a> {
     /// For any unit directions in the given order.
     pub fn new(scene: &'a Intersector, directions: &[Vec3], tracing: Tracing<'a>) -> Self {
         let Tracing { lights_per_probe, devices, observer } = tracing;
-        let mut sampler = Self {
+        let device = devices.map_or(Ok(None), |devices| match lights_per_probe {
+            EXHAUSTIVE => devices.device(scene, RayDirections::All(directions)),
+            _ => devices.device(scene, RayDirections::Along(&BoundarySet::new(directions, lights_per_probe))),
+        });
+        Self {
             scene,
             directions: directions.to_vec(),
             lights_per_probe,
-            device: None,
+            device: UntilFailure::new(device, observer),
+            veils: Veils::new(scene, directions),
             cores: OnceLock::new(),
-            observer,
-        };
-        match devices.map_or(Ok(None), |devices| devices.device(scene, directions)) {
-            Ok(device) => sampler.device = device.map(|device| DeviceSampler::new(device, &sampler)),
-            Err(reason) => sampler.go_on_with_cores(reason),
         }
-        sampler
     }
 
     /// Number of directions.
@@ -69,20 +68,14 @@ impl<'a> ManySampler<'a> {
         self.directions.len()
     }
 
-    /// The device, unless it failed.
-    fn device(&self) -> Option<&DeviceSampler<'a>> {
-        self.device.as_ref().filter(|_| self.cores.get().is_none())
-    }
-
     /// Whether a device traces, or did until it failed.
     pub fn is_on_device(&self) -> bool {
-        self.device.is_some()
+        self.device.has_traced()
     }
 
-    /// Says why a device does not trace any more.
-    fn go_on_with_cores(&self, reason: String) {
-        self.cores();
-        self.observer.event(Event::Warning { message: Warning::DeviceFailed { reason } });
+    /// Number of points to trace between checks for cancellation.
+    pub fn points_at_a_time(&self) -> usize {
+        self.device.get().map_or(POINTS_AT_A_TIME, |_| PIECES_AT_A_TIME * POINTS_PER_PIECE)
     }
 
     fn cores(&self) -> &VisibilitySampler<'a> {
@@ -98,77 +91,88 @@ impl<'a> ManySampler<'a> {
         scratch: impl Fn() -> S + Sync + Send,
         make: impl Fn(&mut S, &[u8], u64) -> T + Sync + Send,
     ) -> Vec<T> {
+        let mut results = Vec::with_capacity(points.len());
+        let mut pieces = points.chunks(POINTS_PER_PIECE).peekable();
+        let mut open = pieces.peek().and_then(|first| self.open_from(first));
+        while let Some(piece) = pieces.next() {
+            let make_all = || self.make_all(piece, open.as_ref(), &scratch, &make);
+            let (made, next) = rayon::join(make_all, || pieces.peek().and_then(|next| self.open_from(next)));
+            results.extend(made);
+            open = next;
+        }
+        results
+    }
+
+    /// What a device finds from the sides of points in order; `None` if the cores trace.
+    fn open_from(&self, points: &[&BakePoint]) -> Option<OpenRays> {
+        self.device.run(|device| device.open(&origins_of(points.iter().copied())))
+    }
+
+    /// The results for points, from what a device found or by the cores.
+    fn make_all<S, T: Send>(
+        &self,
+        points: &[&BakePoint],
+        open: Option<&OpenRays>,
+        scratch: impl Fn() -> S + Sync + Send,
+        make: impl Fn(&mut S, &[u8], u64) -> T + Sync + Send,
+    ) -> Vec<T> {
         let scratch = || (BoundaryTracer::default(), vec![0; self.len()], scratch());
         type Buffers<S> = (BoundaryTracer, Vec<u8>, S);
-        if let Some(device) = self.device() {
-            match device.trace(points) {
-                Ok(traced) => {
-                    let one = |(tracer, visible, scratch): &mut Buffers<S>,
-                               (point, rows): (&&BakePoint, &Vec<&[u32]>)| {
-                        let rays = device.sample(point, (rows, &self.directions), tracer, visible);
-                        make(scratch, visible, rays)
-                    };
-                    let rows = device.rows(&traced, points, self.len());
-                    return points.par_iter().zip(&rows).map_init(scratch, one).collect();
-                }
-                Err(reason) => self.go_on_with_cores(reason),
-            }
+        if let Some(open) = open {
+            let one = |(_, visible, scratch): &mut Buffers<S>, (point, of_point): (&&BakePoint, OpenFrom)| {
+                self.see(point, of_point, visible);
+                make(scratch, visible, of_point.rays)
+            };
+            let seen = open_from_each(open, self.len(), points.iter().copied());
+            return points.par_iter().zip(seen).map_init(scratch, one).collect();
         }
-        let sampler = self.cores();
+        let cores = self.cores();
         let one = |(tracer, visible, scratch): &mut Buffers<S>, point: &&BakePoint| {
-            let rays = sampler.sample(point, tracer, visible);
+            let rays = cores.sample(point, tracer, visible);
             make(scratch, visible, rays)
         };
         points.par_iter().map_init(scratch, one).collect()
     }
-}
 
-impl<'a> DeviceSampler<'a> {
-    fn new(device: Box<dyn RayDevice>, of: &ManySampler<'a>) -> Self {
-        let (directions, per_probe) = (&of.directions, of.lights_per_probe);
-        Self {
-            device,
-            boundaries: (per_probe != EXHAUSTIVE).then(|| BoundarySet::new(directions, per_probe)),
-            veils: Veils::new(of.scene, directions),
-        }
-    }
-
-    /// Words of visibility bits for each side of the points in order.
-    fn trace(&self, points: &[&BakePoint]) -> Result<Vec<u32>, String> {
-        let at = |point: &BakePoint, side: Side| RayOrigin { origin: point.origin(side), half: point.half_of(side) };
-        let of_point = |point: &&BakePoint| point.sides().iter().map(|&side| at(point, side)).collect::<Vec<_>>();
-        let origins: Vec<RayOrigin> = points.iter().flat_map(of_point).collect();
-        self.device.open(&origins)
-    }
-
-    /// The words of each point's sides, with bits for so many directions.
-    fn rows<'t>(&self, traced: &'t [u32], points: &[&BakePoint], directions: usize) -> Vec<Vec<&'t [u32]>> {
-        let mut rows = traced.chunks(directions.div_ceil(32));
-        points.iter().map(|point| rows.by_ref().take(point.sides().len()).collect()).collect()
-    }
-
-    /// Sets `visible` from the words of a point's sides for the directions. Returns the traced rays.
-    fn sample(
-        &self,
-        point: &BakePoint,
-        (rows, directions): (&[&[u32]], &[Vec3]),
-        tracer: &mut BoundaryTracer,
-        visible: &mut [u8],
-    ) -> u64 {
+    /// Sets `visible` to what a device found from a point.
+    fn see(&self, point: &BakePoint, open: OpenFrom, visible: &mut [u8]) {
         visible.fill(0);
-        for (&side, open) in point.sides().iter().zip(rows) {
-            match &self.boundaries {
-                Some(set) => tracer.follow(open, set, &point.half_of(side), visible),
-                None => visible
-                    .iter_mut()
-                    .enumerate()
-                    .for_each(|(i, v)| *v |= OPEN * ((open[i / 32] >> (i % 32)) as u8 & 1)),
-            }
+        for row in open.rows.chunks(self.len().div_ceil(32)) {
+            visible.iter_mut().enumerate().for_each(|(i, v)| *v |= OPEN * ((row[i / 32] >> (i % 32)) as u8 & 1));
         }
         self.veils.dim(point, visible);
-        let is_traced = |d: &&Vec3| point.sides().contains(&point.side_of(**d));
-        directions.iter().filter(is_traced).count() as u64
     }
+}
+
+/// Where a device traces from: each side of the points in order.
+pub fn origins_of<'p>(points: impl IntoIterator<Item = &'p BakePoint>) -> Vec<RayOrigin> {
+    let of_side = |point: &BakePoint, side| RayOrigin { origin: point.origin(side), half: point.half_of(side) };
+    points.into_iter().flat_map(|point| point.sides().iter().map(move |&side| of_side(point, side))).collect()
+}
+
+/// What a device found from a point.
+#[derive(Clone, Copy)]
+struct OpenFrom<'t> {
+    /// The rows of its sides.
+    rows: &'t [u32],
+    /// The rays traced from all of them.
+    rays: u64,
+}
+
+/// What a device found from [`origins_of`] points, point by point.
+fn open_from_each<'t, 'p>(
+    open: &'t OpenRays,
+    directions: usize,
+    points: impl Iterator<Item = &'p BakePoint>,
+) -> Vec<OpenFrom<'t>> {
+    let (mut rows, mut counts) = (&open.rows[..], &open.counts[..]);
+    let mut of_point = |point: &BakePoint| {
+        let sides = point.sides().len();
+        let own = rows.split_off(..sides * directions.div_ceil(32)).unwrap_or_default();
+        let counted = counts.split_off(..sides).unwrap_or_default();
+        OpenFrom { rows: own, rays: counted.iter().copied().map(u64::from).sum() }
+    };
+    points.map(&mut of_point).collect()
 }
 
 #[cfg(test)]
@@ -176,22 +180,13 @@ mod tests {
     use super::*;
     use crate::{
         observer::Silent,
+        test_devices::{Emulated, Warnings},
         test_scenes::{cuboid, floor, quad, scene_of},
         vertices::{points::BakePoints, sidedness::classify, visibility::FINEST},
     };
-    use lapidary_core::{ray::DirectionSet, sphere::fibonacci_directions};
-    use std::sync::{
-        Mutex,
-        atomic::{AtomicU32, Ordering::Relaxed},
-    };
+    use lapidary_core::{scene::Scene, sphere::fibonacci_directions};
 
-    /// A device emulated by this machine, with one scene.
-    struct Emulated;
-
-    struct Taken(Intersector, DirectionSet);
-
-    /// The test's scene as passed to a device.
-    fn scene() -> lapidary_core::scene::Scene {
+    fn scene() -> Scene {
         let mut triangles = floor(2.0, 0.0).to_vec();
         triangles.extend(cuboid(Vec3::new(0.0, 1.5, 0.0), Vec3::splat(0.5)));
         let p = |x: f32, y: f32| Vec3::new(x, y, 1.7);
@@ -199,108 +194,87 @@ mod tests {
         scene_of(&triangles)
     }
 
-    impl RayDevices for Emulated {
-        fn device(&self, _: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String> {
-            match directions.len() {
-                0 => Err("no room".into()),
-                1 => Ok(None),
-                _ => Ok(Some(Box::new(Taken(Intersector::new(&scene().mesh), DirectionSet::new(directions))))),
-            }
-        }
-    }
-
-    impl RayDevice for Taken {
-        fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String> {
-            let row = |at: &RayOrigin| {
-                let mut visible = vec![0; self.1.len()];
-                self.0.trace_batch(at.origin, &self.1, |_, d| at.half.has(d), &mut visible);
-                visible
-                    .chunks(32)
-                    .map(|bits| bits.iter().rev().fold(0, |word, &bit| word << 1 | u32::from(bit / OPEN)))
-                    .collect()
-            };
-            Ok(origins.iter().map(row).collect::<Vec<Vec<u32>>>().concat())
-        }
+    /// Points of the scene, one- and two-sided, over and over.
+    fn points(scene: &Scene, count: usize) -> Vec<BakePoint> {
+        let points = BakePoints::new(&scene.mesh, &classify(scene)).points;
+        assert!(points.iter().any(|p| p.two_sided) && points.iter().any(|p| !p.two_sided));
+        points.into_iter().cycle().take(count).collect()
     }
 
     #[test]
     fn points_see_the_same_on_a_device_and_on_the_cores() {
         let scene = scene();
-        let points = BakePoints::new(&scene.mesh, &classify(&scene)).points;
+        let points = points(&scene, 40);
         let points: Vec<&BakePoint> = points.iter().collect();
-        assert!(points.iter().any(|p| p.two_sided) && points.iter().any(|p| !p.two_sided));
         let intersector = Intersector::new(&scene.mesh);
         let directions = fibonacci_directions(512);
+        let emulated = Emulated::lasting();
         let sampler = |directions: &[Vec3], lights_per_probe, devices| {
             ManySampler::new(&intersector, directions, Tracing { lights_per_probe, devices, observer: &Silent })
         };
-        let devices: Option<&dyn RayDevices> = Some(&Emulated);
+        let devices: Option<&dyn RayDevices> = Some(&emulated);
         let seen = |lights_per_probe, devices| {
             let sampler = sampler(&directions, lights_per_probe, devices);
             assert_eq!(sampler.is_on_device(), devices.is_some());
             sampler.each(&points, || (), |(), visible, rays| (visible.to_vec(), rays))
         };
         let all = seen(EXHAUSTIVE, None);
-        assert!(all == seen(EXHAUSTIVE, devices));
-        let visible = |of: Vec<(Vec<u8>, u64)>| of.into_iter().map(|(visible, _)| visible).collect::<Vec<_>>();
         // Probes for few and for many lights; the latter miss some visibility.
-        for lights_per_probe in [FINEST, 128] {
-            assert!(visible(seen(lights_per_probe, None)) == visible(seen(lights_per_probe, devices)));
+        for lights_per_probe in [EXHAUSTIVE, FINEST, 128] {
+            let begun = emulated.begun();
+            assert!(seen(lights_per_probe, None) == seen(lights_per_probe, devices));
+            assert_eq!(emulated.begun(), begun + 1, "the device traces");
         }
-        assert!(visible(seen(128, devices)) != visible(all), "negative control: both miss the same");
+        let visible = |of: &[(Vec<u8>, u64)]| of.iter().map(|(visible, _)| visible.clone()).collect::<Vec<_>>();
+        assert!(visible(&seen(128, devices)) != visible(&all), "negative control: both miss the same");
+        let rays = |of: &[(Vec<u8>, u64)]| of.iter().map(|(_, rays)| rays).sum::<u64>();
+        assert!(
+            rays(&seen(128, devices)) < rays(&all),
+            "negative control: a device traces fewer rays along boundaries"
+        );
         assert!(!sampler(&directions[..1], EXHAUSTIVE, devices).is_on_device(), "the cores trace it");
     }
 
-    /// A device without room, or one that is lost at its second piece of work.
-    struct Failing {
-        has_room: bool,
-    }
-
-    struct Lost(Taken, AtomicU32);
-
-    impl RayDevices for Failing {
-        fn device(&self, _: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String> {
-            let taken = Taken(Intersector::new(&scene().mesh), DirectionSet::new(directions));
-            if self.has_room { Ok(Some(Box::new(Lost(taken, AtomicU32::new(0))))) } else { Err("no room".into()) }
-        }
-    }
-
-    impl RayDevice for Lost {
-        fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String> {
-            if self.1.fetch_add(1, Relaxed) == 0 { self.0.open(origins) } else { Err("unplugged".into()) }
-        }
-    }
-
-    /// The warnings that it got.
-    #[derive(Default)]
-    struct Told(Mutex<Vec<String>>);
-
-    impl Observer for Told {
-        fn event(&self, event: Event) {
-            if let Event::Warning { message } = event {
-                self.0.lock().unwrap().push(message.to_string());
-            }
-        }
+    #[test]
+    fn pieces_of_work_keep_the_order_of_points() {
+        let scene = scene();
+        let points = points(&scene, 2 * POINTS_PER_PIECE + 3);
+        let points: Vec<&BakePoint> = points.iter().collect();
+        let intersector = Intersector::new(&scene.mesh);
+        let directions = fibonacci_directions(40);
+        let emulated = Emulated::lasting();
+        let seen = |devices, points: &[&BakePoint]| {
+            let tracing = Tracing { lights_per_probe: FINEST, devices, observer: &Silent };
+            let sampler = ManySampler::new(&intersector, &directions, tracing);
+            sampler.each(points, || (), |(), visible, rays| (visible.to_vec(), rays))
+        };
+        let cores = seen(None, &points);
+        assert!(seen(Some(&emulated), &points) == cores);
+        assert_eq!(emulated.begun(), 3);
+        let turned: Vec<&BakePoint> = points.iter().copied().skip(1).chain([points[0]]).collect();
+        assert!(seen(Some(&emulated), &turned) != cores, "negative control: another order");
     }
 
     #[test]
     fn the_cores_go_on_where_a_device_fails_and_say_so_once() {
         let scene = scene();
-        let points = BakePoints::new(&scene.mesh, &classify(&scene)).points;
+        let points = points(&scene, 40);
         let points: Vec<&BakePoint> = points.iter().collect();
         let intersector = Intersector::new(&scene.mesh);
         let directions = fibonacci_directions(256);
-        for (has_room, reason) in [(true, "unplugged"), (false, "no room")] {
-            let (told, devices) = (Told::default(), Failing { has_room });
-            let tracing = |devices| Tracing { lights_per_probe: FINEST, devices, observer: &told };
+        // Lost at its second piece of work, or without room.
+        for (devices, reason) in [(Emulated::lost_after(1), "unplugged"), (Emulated::full(), "no room")] {
+            let warnings = Warnings::default();
+            let tracing = |devices| Tracing { lights_per_probe: FINEST, devices, observer: &warnings };
             let seen = |sampler: &ManySampler| sampler.each(&points, || (), |(), visible, _| visible.to_vec());
             let failing = ManySampler::new(&intersector, &directions, tracing(Some(&devices)));
+            let has_room = reason == "unplugged";
             assert_eq!(failing.is_on_device(), has_room);
             let cores = seen(&ManySampler::new(&intersector, &directions, tracing(None)));
             assert!((0..3).all(|_| seen(&failing) == cores), "{reason}");
-            assert!(failing.device().is_none() && failing.is_on_device() == has_room, "it may have traced");
-            let warnings = told.0.lock().unwrap();
-            assert!(warnings.len() == 1 && warnings[0].contains(reason), "{warnings:?}");
+            assert!(failing.is_on_device() == has_room, "it may have traced");
+            assert_eq!(devices.begun(), 2 * usize::from(has_room), "it is not asked again");
+            assert!(warnings.only_one().contains(reason));
         }
     }
 }

@@ -6,7 +6,7 @@ use super::{
     compute::SharedDevice,
     kernels::{FANS, FanWork},
     layout,
-    rays::{dispatch, hierarchy, pipeline},
+    rays::{dispatch, hierarchy, pipeline, told},
     readback::read_range,
 };
 use crate::error::BackendError;
@@ -99,7 +99,7 @@ impl FanDevice for GpuFans {
     fn first_hits(&self, fans: &[Fan]) -> Result<Vec<Option<Hit>>, String> {
         let mut hits = Vec::with_capacity(fans.len() * self.directions);
         for some in fans.chunks(FANS_AT_A_TIME) {
-            let found = self.trace(some).map_err(|error| error.to_string())?;
+            let found = self.trace(some).map_err(|error| told(&self.gpu, &error))?;
             hits.extend(found.iter().map(|found| self.hit(found)));
         }
         Ok(hits)

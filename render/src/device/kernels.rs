@@ -30,6 +30,16 @@ bind_groups! {
     /// Rays from some origins.
     RayWork { rays: Uniform, directions: Storage, origins: Storage, open_words: Written }
 
+    /// Boundaries from some origins.
+    BoundaryWork {
+        rays: Uniform,
+        directions: Storage,
+        tables: Storage,
+        origins: Storage,
+        states: Written,
+        open_words: Written,
+    }
+
     /// Rays of fans from some origins.
     FanWork { uniforms: Uniform, directions: Storage, fans: Storage, hits: Written }
 
@@ -137,10 +147,17 @@ bind_groups! {
     WrittenCuts { lit: Uniform, starts: Storage, whole_light: Storage, offsets: Storage, lit_nodes: Written }
 }
 
+/// What programs of rays from some origins begin with.
+const FROM_ORIGINS: &[&str] = &["ordered", "traverse", "hierarchy", "ray_origin"];
+
 /// Rays for bakes. Its groups are [`Hierarchy`] and [`RayWork`]: it runs in no slices. Twin of `Intersector::trace_batch` in
 /// core/src/ray/batch.rs.
-pub const RAYS: Program =
-    Program { name: "rays_pass", parts: [&[], &["ordered", "traverse", "hierarchy", "rays_pass"]], output: None };
+pub const RAYS: Program = Program { name: "rays_pass", parts: [FROM_ORIGINS, &["rays_pass"]], output: None };
+
+/// Boundaries for bakes. Its groups are [`Hierarchy`] and [`BoundaryWork`]: it runs in no slices. Twin of `BoundaryTracer::trace` in
+/// core/src/ray/boundaries.
+pub const BOUNDARIES: Program =
+    Program { name: "boundaries_pass", parts: [FROM_ORIGINS, &["boundaries_pass"]], output: None };
 
 /// First hits of the rays of receivers. Its groups are [`Hierarchy`] and [`FanWork`]: it runs in no slices. Twin of
 /// `Intersector::closest_hits` in core/src/ray/closest.rs.
@@ -267,5 +284,5 @@ pub const SLICED: [KernelProgram; 16] = [
 /// All texts of one compute step.
 #[cfg(test)]
 pub fn programs() -> impl Iterator<Item = Program> {
-    SLICED.into_iter().map(|kernel| kernel.program).chain([RAYS, FANS])
+    SLICED.into_iter().map(|kernel| kernel.program).chain([RAYS, BOUNDARIES, FANS])
 }

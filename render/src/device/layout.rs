@@ -210,7 +210,19 @@ pub struct RayUniforms {
     pub words: u32,
 }
 
-/// `RayOrigin` of `rays_pass.wgsl`.
+/// `BoundaryUniforms` of `boundaries_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct BoundaryUniforms {
+    pub directions: u32,
+    pub words: u32,
+    pub groups: u32,
+    pub groups_per_block: u32,
+    pub places: u32,
+    pub starts: u32,
+}
+
+/// `RayOrigin` of `ray_origin.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct RayOrigin {

@@ -1,12 +1,15 @@
 //! Rays on the GPU for bakes: which directions meet nothing, from many origins at a time. Twin of
-//! [`Intersector::trace_batch`]. The walk itself is `shaders/traverse.wgsl`, for other compute passes too.
+//! [`Intersector::trace_batch`], and of [`BoundaryTracer::trace`](lapidary_core::ray::BoundaryTracer::trace) along boundaries. The
+//! walk itself is `shaders/traverse.wgsl`, for other compute passes too.
 
 use super::{
     adapter::GpuDevice,
     bindings::{GroupLayout, Shaders, module_of},
-    buffers::{storage, uniform},
+    boundaries,
+    buffers::{storage, uniform, written},
     compute::{Compute, SharedDevice},
-    kernels::{Hierarchy, RAYS, RayWork},
+    fans::GpuFans,
+    kernels::{BOUNDARIES, BoundaryWork, Hierarchy, RAYS, RayWork},
     layout,
     readback::read_words,
     shaders::Program,
@@ -14,12 +17,21 @@ use super::{
 use crate::{error::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
 use glam::Vec3;
-use lapidary_core::ray::{BoxNode, Intersector, RayDevice, RayDevices, RayOrigin};
+use lapidary_core::ray::{
+    BoundarySet, BoxNode, FanDevice, Intersector, OpenRays, RayDevice, RayDevices, RayDirections, RayOrigin,
+};
+use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
-use wgpu::BufferUsages as Usages;
 
-/// Origins of one piece of work, so that a desktop stays alive and a bake can be cancelled.
-const ORIGINS_AT_A_TIME: usize = 64;
+/// Directions of all origins of one piece of work, so that a desktop stays alive and a bake can be cancelled. About half of them
+/// are traced.
+const DIRECTIONS_AT_A_TIME: usize = 1 << 21;
+
+/// The same along boundaries, where one of six to ten is traced. Origins take 36 MB with their states.
+const ALONG_BOUNDARIES_AT_A_TIME: usize = 1 << 25;
+
+/// Most workgroups along a dimension, by WebGPU's default limits.
+const MOST_WORKGROUPS: usize = 65_535;
 
 /// Directions of a workgroup, as in the shaders.
 const DIRECTIONS_PER_GROUP: u32 = 64;
@@ -31,8 +43,9 @@ const MOST_LEVELS: usize = 64;
 pub struct GpuRays {
     /// Whether a scene that it does not take is an error for the caller, or left to the cores.
     is_asked_for: bool,
-    gpu: Arc<GpuDevice>,
-    pipeline: wgpu::ComputePipeline,
+    device: SharedDevice,
+    all: wgpu::ComputePipeline,
+    along: wgpu::ComputePipeline,
 }
 
 impl GpuRays {
@@ -41,7 +54,9 @@ impl GpuRays {
     /// # Errors
     /// A driver that refuses.
     pub fn on(device: &SharedDevice, is_asked_for: bool) -> Result<Self, BackendError> {
-        Ok(Self { is_asked_for, gpu: device.gpu.clone(), pipeline: pipeline(&device.gpu, &RAYS, &RayWork::LAYOUT)? })
+        let all = pipeline(&device.gpu, &RAYS, &RayWork::LAYOUT)?;
+        let along = pipeline(&device.gpu, &BOUNDARIES, &BoundaryWork::LAYOUT)?;
+        Ok(Self { is_asked_for, device: device.clone(), all, along })
     }
 
     /// The fastest adapter that is more than an emulation on the processor, if there is one that works. Scenes that it does not
@@ -51,42 +66,71 @@ impl GpuRays {
         Self::on(&device, false).ok()
     }
 
-    fn scene(&self, scene: &Intersector, directions: &[Vec3]) -> Result<GpuRayScene, BackendError> {
-        let gpu = &self.gpu;
-        let hierarchy = hierarchy(gpu, scene)?;
+    fn scene(&self, scene: &Intersector, directions: RayDirections) -> Result<GpuRayScene, BackendError> {
+        let gpu = self.device.gpu.clone();
+        let hierarchy = hierarchy(&gpu, scene)?;
+        let work = match directions {
+            RayDirections::All(directions) => self.all(directions),
+            RayDirections::Along(set) => self.along(set),
+        };
+        gpu.check()?;
+        Ok(GpuRayScene { gpu, hierarchy, work })
+    }
+
+    fn all(&self, directions: &[Vec3]) -> RayProgram {
+        let gpu = &self.device.gpu;
         let words = directions.len().div_ceil(32);
-        let count = directions.len() as u32;
-        let uniforms = layout::RayUniforms { directions: count, words: words as u32 };
+        let results = RowsOfOrigins::new(gpu, words, origins_at_a_time(gpu, DIRECTIONS_AT_A_TIME, directions.len(), 0));
+        let uniforms = layout::RayUniforms { directions: directions.len() as u32, words: words as u32 };
         let uniforms = uniform(gpu, "uniforms of rays", bytemuck::bytes_of(&uniforms));
         let toward: Vec<[f32; 4]> = directions.iter().map(|d| d.extend(0.0).to_array()).collect();
         let toward = storage(gpu, "directions of rays", bytemuck::cast_slice(&toward));
-        let no_origins = [layout::RayOrigin::zeroed(); ORIGINS_AT_A_TIME];
-        let origins = storage(gpu, "origins of rays", bytemuck::cast_slice(&no_origins));
-        let open = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("open rays"),
-            size: (ORIGINS_AT_A_TIME * words * size_of::<u32>()) as u64,
-            usage: Usages::STORAGE | Usages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let work = RayWork { rays: &uniforms, directions: &toward, origins: &origins, open_words: &open }.bind(gpu);
-        gpu.check()?;
-        let (gpu, pipeline, origins) = (self.gpu.clone(), self.pipeline.clone(), Mutex::new(origins));
-        Ok(GpuRayScene { gpu, pipeline, hierarchy, work, origins, open, words, directions: count })
+        let RowsOfOrigins { origins, open, .. } = &results;
+        let work = RayWork { rays: &uniforms, directions: &toward, origins, open_words: open }.bind(gpu);
+        RayProgram { pipeline: self.all.clone(), work, results, all: Some(directions.to_vec()) }
     }
-}
 
-impl RayDevices for GpuRays {
-    fn device(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn RayDevice>>, String> {
-        match self.scene(scene, directions) {
-            Ok(scene) => Ok(Some(Box::new(scene))),
+    fn along(&self, set: &BoundarySet) -> RayProgram {
+        let gpu = &self.device.gpu;
+        let tables = set.tables();
+        let bytes = boundaries::bytes_of_states(&tables);
+        let at_a_time = origins_at_a_time(gpu, ALONG_BOUNDARIES_AT_A_TIME, set.len(), bytes);
+        // The number of rays follows the bits.
+        let results = RowsOfOrigins::new(gpu, set.len().div_ceil(32) + 1, at_a_time);
+        let work = boundaries::bind(gpu, &tables, &results);
+        RayProgram { pipeline: self.along.clone(), work, results, all: None }
+    }
+
+    /// What was made, or nothing if the cores shall trace instead.
+    fn offered<T>(&self, made: Result<T, BackendError>) -> Result<Option<T>, String> {
+        match made {
+            Ok(made) => Ok(Some(made)),
             Err(_) if !self.is_asked_for => Ok(None),
-            Err(error) => Err(told(&self.gpu, &error)),
+            Err(error) => Err(told(&self.device.gpu, &error)),
         }
     }
 }
 
+impl RayDevices for GpuRays {
+    fn device(&self, scene: &Intersector, directions: RayDirections) -> Result<Option<Box<dyn RayDevice>>, String> {
+        let made = self.offered(self.scene(scene, directions))?;
+        Ok(made.map(|scene| Box::new(scene) as Box<dyn RayDevice>))
+    }
+
+    fn fans(&self, scene: &Intersector, directions: &[Vec3]) -> Result<Option<Box<dyn FanDevice>>, String> {
+        let made = self.offered(GpuFans::new(&self.device, scene, directions))?;
+        Ok(made.map(|fans| Box::new(fans) as Box<dyn FanDevice>))
+    }
+}
+
+/// Origins of one piece of work with so many directions in all. Each has some bytes in one buffer.
+fn origins_at_a_time(gpu: &GpuDevice, in_all: usize, directions: usize, bytes: usize) -> usize {
+    let room = gpu.max_storage_bytes() as usize / bytes.max(size_of::<layout::RayOrigin>());
+    (in_all / directions.max(1)).min(room).clamp(1, MOST_WORKGROUPS)
+}
+
 /// An adapter that will not do, and why.
-fn told(gpu: &GpuDevice, error: &BackendError) -> String {
+pub(super) fn told(gpu: &GpuDevice, error: &BackendError) -> String {
     error.of_adapter(&gpu.info.name, Remedy::words).unwrap_or_else(|| error.to_string())
 }
 
@@ -148,27 +192,64 @@ pub(super) fn pipeline(
     Ok(pipeline)
 }
 
+/// Origins of one piece of work, and a row of results for each.
+pub(super) struct RowsOfOrigins {
+    pub origins: wgpu::Buffer,
+    pub open: wgpu::Buffer,
+    /// Words of a row.
+    words: usize,
+    pub at_a_time: usize,
+    /// Held while rays of its origins are traced.
+    tracing: Mutex<()>,
+}
+
+impl RowsOfOrigins {
+    fn new(gpu: &GpuDevice, words: usize, at_a_time: usize) -> Self {
+        let no_origins = vec![layout::RayOrigin::zeroed(); at_a_time];
+        let origins = storage(gpu, "origins of rays", bytemuck::cast_slice(&no_origins));
+        let open = written(gpu, "open rays", (at_a_time * words * size_of::<u32>()) as u64);
+        Self { origins, open, words, at_a_time, tracing: Mutex::default() }
+    }
+}
+
+/// A program with the directions that it is bound to.
+struct RayProgram {
+    pipeline: wgpu::ComputePipeline,
+    work: wgpu::BindGroup,
+    results: RowsOfOrigins,
+    /// The directions of a program that traces all that count; `None` if its rows end with the number of rays.
+    all: Option<Vec<Vec3>>,
+}
+
 /// A scene and directions on the GPU.
 struct GpuRayScene {
     gpu: Arc<GpuDevice>,
-    pipeline: wgpu::ComputePipeline,
     hierarchy: wgpu::BindGroup,
-    work: wgpu::BindGroup,
-    /// Held while rays of its origins are traced.
-    origins: Mutex<wgpu::Buffer>,
-    open: wgpu::Buffer,
-    words: usize,
-    directions: u32,
+    work: RayProgram,
 }
 
 impl GpuRayScene {
+    /// The rows of one piece of work.
     fn trace(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, BackendError> {
-        let gpu = &self.gpu;
+        let (gpu, RayProgram { pipeline, work, results, all }) = (&self.gpu, &self.work);
         let packed: Vec<layout::RayOrigin> = origins.iter().map(packed_origin).collect();
-        let held = self.origins.lock().unwrap_or_else(PoisonError::into_inner);
-        gpu.queue.write_buffer(&held, 0, bytemuck::cast_slice(&packed));
-        dispatch(gpu, &self.pipeline, [&self.hierarchy, &self.work], [self.directions, origins.len() as u32]);
-        read_words(gpu, &self.open, origins.len() * self.words)
+        let _one_at_a_time = results.tracing.lock().unwrap_or_else(PoisonError::into_inner);
+        gpu.queue.write_buffer(&results.origins, 0, bytemuck::cast_slice(&packed));
+        // One workgroup follows the boundaries of an origin.
+        let directions = all.as_ref().map_or(1, |all| all.len() as u32);
+        dispatch(gpu, pipeline, [&self.hierarchy, work], [directions, origins.len() as u32]);
+        read_words(gpu, &results.open, origins.len() * results.words)
+    }
+
+    /// Rows with the numbers of rays.
+    fn counted(&self, origins: &[RayOrigin], rows: Vec<u32>) -> OpenRays {
+        let Some(directions) = &self.work.all else {
+            let rows = rows.chunks(self.work.results.words).filter_map(<[u32]>::split_last);
+            let (counts, rows): (Vec<u32>, Vec<&[u32]>) = rows.map(|(&count, row)| (count, row)).unzip();
+            return OpenRays { rows: rows.concat(), counts };
+        };
+        let count = |at: &RayOrigin| directions.iter().filter(|d| at.half.has(**d)).count() as u32;
+        OpenRays { rows, counts: origins.par_iter().map(count).collect() }
     }
 }
 
@@ -191,10 +272,13 @@ pub(super) fn dispatch(
 }
 
 impl RayDevice for GpuRayScene {
-    fn open(&self, origins: &[RayOrigin]) -> Result<Vec<u32>, String> {
-        let mut open = Vec::with_capacity(origins.len() * self.words);
-        for some in origins.chunks(ORIGINS_AT_A_TIME) {
-            open.extend(self.trace(some).map_err(|error| told(&self.gpu, &error))?);
+    fn open(&self, origins: &[RayOrigin]) -> Result<OpenRays, String> {
+        let mut open = OpenRays::default();
+        for some in origins.chunks(self.work.results.at_a_time) {
+            let rows = self.trace(some).map_err(|error| told(&self.gpu, &error))?;
+            let OpenRays { rows, counts } = self.counted(some, rows);
+            open.rows.extend(rows);
+            open.counts.extend(counts);
         }
         Ok(open)
     }
@@ -227,44 +311,4 @@ fn levels(nodes: &[BoxNode]) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::device::test_adapter::{on_adapter, shared_device};
-    use lapidary_core::{
-        ray::{DirectionSet, HalfSpace, OPEN},
-        sphere::fibonacci_directions,
-        test_scenes::soup,
-    };
-
-    #[test]
-    fn rays_on_the_gpu_agree_with_those_on_the_processor() {
-        let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
-        let rays = GpuRays::on(&device, true).unwrap();
-        for (triangles, lights) in [(600, 4096), (3, 64), (0, 32)] {
-            let scene = Intersector::new(&soup(5, triangles));
-            let directions = fibonacci_directions(lights);
-            let device = rays.device(&scene, &directions).unwrap().expect("it takes a small scene");
-            let at = |i: usize| RayOrigin {
-                origin: 0.05 * Vec3::new(i as f32, -0.7 * i as f32, 0.3),
-                half: HalfSpace { normal: Vec3::new(0.6, 0.8, 0.0), height: -0.1, is_above: !i.is_multiple_of(3) },
-            };
-            // More than one piece of work.
-            let origins: Vec<RayOrigin> = (0..70).map(at).collect();
-            let open = device.open(&origins).unwrap();
-            let set = DirectionSet::new(&directions);
-            let (mut ties, mut seen) = (0, 0);
-            for (row, at) in open.chunks(lights.div_ceil(32)).zip(&origins) {
-                let mut visible = vec![0; lights];
-                scene.trace_batch(at.origin, &set, |_, d| at.half.has(d), &mut visible);
-                let differs = |(i, v): &(usize, &u8)| row[i / 32] >> (i % 32) & 1 != u32::from(**v / OPEN);
-                ties += visible.iter().enumerate().filter(differs).count();
-                seen += visible.iter().filter(|v| **v == OPEN).count();
-            }
-            // A driver may fuse products and sums: rays along an edge then fall to either side.
-            assert!(ties * 100_000 <= 70 * lights, "{ties} of {}", 70 * lights);
-            assert!(seen > 0);
-            let moved: Vec<RayOrigin> = origins.iter().map(|at| RayOrigin { origin: at.origin + 1.0, ..*at }).collect();
-            assert!(device.open(&moved).unwrap() != open || triangles == 0, "negative control: other origins");
-        }
-    }
-}
+mod tests;

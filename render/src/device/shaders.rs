@@ -18,6 +18,7 @@ macro_rules! parts {
 }
 
 parts!(
+    "boundaries_pass",
     "brdf",
     "brdf_dispatch",
     "brdf_written",
@@ -89,6 +90,7 @@ parts!(
     "radiosity_pull_kernel",
     "radiosity_scan_kernel",
     "radiosity_write_kernel",
+    "ray_origin",
     "ray_shift",
     "ray_start",
     "rays_pass",

@@ -2,7 +2,7 @@
 
 use super::{
     follow::{Follow, Rays, State},
-    graph::Graph,
+    graph::{Graph, Group},
 };
 use crate::{
     ray::{
@@ -20,6 +20,7 @@ use std::{collections::HashMap, f32::consts::PI};
 const NEIGHBOURS: usize = 6;
 
 /// Directions with their neighbors, in groups of eight and in blocks with a probe each.
+#[derive(Clone)]
 pub struct BoundarySet {
     graph: Graph,
     /// The rays of each group of the graph.
@@ -29,6 +30,7 @@ pub struct BoundarySet {
 }
 
 /// The probes of eight blocks, or of fewer at the end.
+#[derive(Clone)]
 struct Probes {
     rays: RayGroup,
     /// Position of each in the caller's order.
@@ -57,6 +59,43 @@ impl BoundarySet {
     /// Whether there are no directions.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+}
+
+/// A set as tables, for devices.
+pub struct BoundaryTables {
+    /// Unit directions, group by group. A group has eight, the last one may have fewer.
+    pub directions: Vec<Vec3>,
+    /// Position of each of them in the caller's order.
+    pub targets: Vec<u32>,
+    /// For each block, the position of its probe among `directions`.
+    pub probes: Vec<u32>,
+    /// Groups of a block; the last block may have fewer.
+    pub groups_per_block: usize,
+    /// For each group the numbers of the groups that touch it. A bit marks each of its lanes with a neighbor in the other group.
+    pub touching: Vec<Vec<(u32, u8)>>,
+}
+
+impl BoundarySet {
+    /// The set as tables.
+    pub fn tables(&self) -> BoundaryTables {
+        let Graph { groups, block, .. } = &self.graph;
+        let lanes = |(rays, group): (&RayGroup, &Group)| {
+            let rays = rays.rays;
+            (0..group.targets.len()).map(move |lane| rays.lane(lane))
+        };
+        let targets: Vec<u32> = groups.iter().flat_map(|group| &group.targets).copied().collect();
+        let mut places = vec![0; targets.len()];
+        (0..).zip(&targets).for_each(|(place, &target)| places[target as usize] = place);
+        let place_of = |target: &u32| places[*target as usize];
+        let touching = |group: &Group| group.touching.iter().map(|other| (other.group, other.lanes)).collect();
+        BoundaryTables {
+            directions: self.groups.iter().zip(groups).flat_map(lanes).collect(),
+            probes: self.probes.iter().flat_map(|probes| &probes.targets).map(place_of).collect(),
+            groups_per_block: *block,
+            touching: groups.iter().map(touching).collect(),
+            targets,
+        }
     }
 }
 
@@ -118,24 +157,9 @@ impl BoundaryTracer {
         visible: &mut [u8],
     ) -> u64 {
         let Self { state, stack, frontier } = self;
+        let (half, marked) = wanted;
         frontier.move_to(scene, origin);
-        let traced = Traced { scene, origin, frontier, stack };
-        Self::run(state, set, wanted, traced, visible)
-    }
-
-    /// [`Self::trace`] for rays traced elsewhere: the bits of `open` mark unblocked directions.
-    pub fn follow(&mut self, open: &[u32], set: &BoundarySet, half: &HalfSpace, visible: &mut [u8]) {
-        Self::run(&mut self.state, set, (half, None), Told(open), visible);
-    }
-
-    fn run(
-        state: &mut State,
-        set: &BoundarySet,
-        (half, marked): (&HalfSpace, Option<&[bool]>),
-        meet: impl Meet,
-        visible: &mut [u8],
-    ) -> u64 {
-        let rays = Directions { set, half, marked, meet };
+        let rays = Directions { scene, origin, set, half, marked, frontier, stack };
         let count = InstructionSet::widest().run(Follow { graph: &set.graph, rays, state });
         assert_eq!(visible.len(), set.len(), "one visibility a direction");
         for (group, &open) in set.graph.groups.iter().zip(&state.open) {
@@ -149,52 +173,23 @@ impl BoundaryTracer {
     }
 }
 
-/// Determines which rays are unblocked.
-trait Meet {
-    /// The unblocked rays of `active`, one bit each. `targets` are their positions in the caller's order.
-    fn open<L: Lanes>(&mut self, rays: &RayGroup, targets: &[u32], active: u8) -> u8;
-}
-
-/// Traces the rays.
-struct Traced<'a> {
-    scene: &'a Intersector,
-    origin: Vec3,
-    frontier: &'a Frontier,
-    stack: &'a mut Vec<(u32, u8)>,
-}
-
-impl Meet for Traced<'_> {
-    #[inline(always)]
-    fn open<L: Lanes>(&mut self, rays: &RayGroup, _: &[u32], active: u8) -> u8 {
-        rays.open::<false, L>(self.scene, self.frontier, self.origin, active, self.stack)
-    }
-}
-
-/// Looks the rays up: a bit per direction.
-struct Told<'a>(&'a [u32]);
-
-impl Meet for Told<'_> {
-    #[inline(always)]
-    fn open<L: Lanes>(&mut self, _: &RayGroup, targets: &[u32], active: u8) -> u8 {
-        let bit = |&target: &u32| (self.0[target as usize / 32] >> (target % 32)) as u8 & 1;
-        active & targets.iter().enumerate().fold(0, |open, (lane, target)| open | bit(target) << lane)
-    }
-}
-
 /// The first `count` of eight lanes.
 fn lanes_below(count: usize) -> u8 {
     ((1_u32 << count) - 1) as u8
 }
 
 /// The directions of a set within a half-space, of which only the marked ones are wanted, if any are marked.
-struct Directions<'a, M> {
+struct Directions<'a> {
+    scene: &'a Intersector,
+    origin: Vec3,
     set: &'a BoundarySet,
     half: &'a HalfSpace,
     marked: Option<&'a [bool]>,
-    meet: M,
+    frontier: &'a Frontier,
+    stack: &'a mut Vec<(u32, u8)>,
 }
 
-impl<M> Directions<'_, M> {
+impl Directions<'_> {
     /// The wanted lanes of some directions.
     #[inline(always)]
     fn wanted<L: Lanes>(&self, rays: &RayGroup, targets: &[u32]) -> u8 {
@@ -203,9 +198,15 @@ impl<M> Directions<'_, M> {
         let bit = |(lane, &target): (usize, &u32)| u8::from(marked[target as usize]) << lane;
         within & targets.iter().enumerate().map(bit).fold(0, |all, bit| all | bit)
     }
+
+    /// The unblocked rays of `active`, one bit each.
+    #[inline(always)]
+    fn open_of<L: Lanes>(&mut self, rays: &RayGroup, active: u8) -> u8 {
+        rays.open::<false, L>(self.scene, self.frontier, self.origin, active, self.stack)
+    }
 }
 
-impl<M: Meet> Rays for Directions<'_, M> {
+impl Rays for Directions<'_> {
     #[inline(always)]
     fn probe<L: Lanes>(&mut self, state: &mut State) -> u64 {
         let set = self.set;
@@ -216,7 +217,7 @@ impl<M: Meet> Rays for Directions<'_, M> {
         for probes in &set.probes {
             let active = self.wanted::<L>(&probes.rays, &probes.targets);
             count += u64::from(active.count_ones());
-            let open = if active == 0 { 0 } else { self.meet.open::<L>(&probes.rays, &probes.targets, active) };
+            let open = if active == 0 { 0 } else { self.open_of::<L>(&probes.rays, active) };
             for lane in 0..probes.targets.len() {
                 state.predict((active >> lane & 1 == 1).then_some(open >> lane & 1 == 1));
             }
@@ -226,6 +227,6 @@ impl<M: Meet> Rays for Directions<'_, M> {
 
     #[inline(always)]
     fn open<L: Lanes>(&mut self, group: usize, active: u8) -> u8 {
-        self.meet.open::<L>(&self.set.groups[group], &self.set.graph.groups[group].targets, active)
+        self.open_of::<L>(&self.set.groups[group], active)
     }
 }

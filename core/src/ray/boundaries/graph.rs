@@ -4,6 +4,7 @@ use crate::ray::directions::GROUP;
 use std::collections::BTreeMap;
 
 /// Members in groups of eight nearby ones, and in blocks of groups. A member is a direction or a point.
+#[derive(Clone)]
 pub(super) struct Graph {
     pub groups: Vec<Group>,
     /// Groups per block.
@@ -13,6 +14,7 @@ pub(super) struct Graph {
 }
 
 /// Eight nearby members; fewer in the last group.
+#[derive(Clone)]
 pub(super) struct Group {
     /// Position of each in the caller's order.
     pub targets: Vec<u32>,
@@ -21,9 +23,10 @@ pub(super) struct Group {
 }
 
 /// A group that touches another.
+#[derive(Clone)]
 pub(super) struct Touching {
     pub group: u32,
-    /// Lanes of the other group with a neighbor in this one.
+    /// Lanes of this group with a neighbor in the other one.
     pub lanes: u8,
 }
 

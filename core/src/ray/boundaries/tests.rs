@@ -21,12 +21,6 @@ fn seen_along_boundaries(
     let mut seen = vec![0; directions.len()];
     let mut tracer = BoundaryTracer::default();
     let rays = tracer.trace(scene, Vec3::ZERO, &set, half, &mut seen);
-    // The same with all rays traced elsewhere.
-    let open =
-        |some: &[Vec3]| some.iter().rev().fold(0, |bits, &d| bits << 1 | u32::from(!scene.occluded(Vec3::ZERO, d)));
-    let (open, mut told) = (directions.chunks(32).map(open).collect::<Vec<u32>>(), vec![0; directions.len()]);
-    tracer.follow(&open, &set, half, &mut told);
-    assert!(told == seen);
     let single = |&d: &Vec3| OPEN * u8::from(half.has(d) && !scene.occluded(Vec3::ZERO, d));
     (seen, directions.iter().map(single).collect(), rays)
 }
@@ -215,5 +209,30 @@ fn segments_along_boundaries_are_hardly_ever_wrong_among_small_triangles() {
         let [usual, coarse] = [16, 1024].map(wrong);
         assert!(usual < 82, "2 %: {usual}");
         assert!(coarse > 2 * usual, "negative control: {coarse}, {usual}");
+    }
+}
+
+#[test]
+fn tables_tell_of_each_direction_its_group_its_probe_and_what_touches_it() {
+    for (count, per_probe) in [(1, 8), (100, 16), (1000, 64)] {
+        let directions = fibonacci_directions(count);
+        let tables = BoundarySet::new(&directions, per_probe).tables();
+        let [groups, blocks] = [GROUP, per_probe].map(|size| count.div_ceil(size));
+        assert_eq!(
+            (tables.touching.len(), tables.probes.len(), tables.groups_per_block),
+            (groups, blocks, per_probe / 8)
+        );
+        let targets: HashSet<u32> = tables.targets.iter().copied().collect();
+        assert!(targets.len() == count && tables.targets.len() == count);
+        assert!(tables.directions.iter().zip(&tables.targets).all(|(d, &target)| *d == directions[target as usize]));
+        let is_in_block = |(block, &probe): (usize, &u32)| probe as usize / per_probe == block;
+        assert!(tables.probes.iter().enumerate().all(is_in_block));
+        let lanes = |from: usize, to: u32| tables.touching[from].iter().find(|(group, _)| *group == to).map(|of| of.1);
+        for (from, touching) in tables.touching.iter().enumerate() {
+            assert!(touching.iter().all(|&(to, lanes_from)| {
+                lanes_from != 0 && to as usize != from && lanes(to as usize, from as u32).is_some()
+            }));
+        }
+        assert!(count < 100 || !is_in_block((0, &tables.probes[1])), "negative control");
     }
 }

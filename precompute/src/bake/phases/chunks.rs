@@ -9,14 +9,14 @@ use crate::{
         error::squared_norm,
         sampler::{SourceSampler, SourceScratch},
     },
-    vertices::{points::BakePoint, tracing::ManySampler},
+    vertices::{
+        points::BakePoint,
+        tracing::{ManySampler, POINTS_AT_A_TIME},
+    },
 };
 use lapidary_core::cut::{CutCriterion, CutSelector, SourceCriterion, SourceCutSelector, solid_angle_error};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Points between checks for cancellation.
-pub(super) const POINTS_PER_STEP: usize = 256;
 
 /// The cut of a point, its squared error, and the rays traced for it.
 pub type MadeCut = (Vec<u16>, f64, u64);
@@ -28,6 +28,11 @@ pub trait CutMaker {
 
     /// Height of the tree below the cuts.
     fn height(&self) -> u32;
+
+    /// Points between checks for cancellation.
+    fn points_per_step(&self) -> usize {
+        POINTS_AT_A_TIME
+    }
 
     /// The cuts of some points in order, computed on all cores.
     ///
@@ -51,6 +56,10 @@ impl CutMaker for EnvironmentCuts<'_> {
 
     fn height(&self) -> u32 {
         self.height
+    }
+
+    fn points_per_step(&self) -> usize {
+        self.sampler.points_at_a_time()
     }
 
     fn make(&self, points: Range<usize>) -> Result<Vec<MadeCut>, BakeError> {
@@ -129,9 +138,10 @@ pub fn bake_chunks<'a, M: CutMaker>(
 /// The cuts of some points.
 pub fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observer) -> Result<Chunk, BakeError> {
     let mut chunk = Chunk::default();
-    for start in range.clone().step_by(POINTS_PER_STEP) {
+    let points_per_step = maker.points_per_step();
+    for start in range.clone().step_by(points_per_step) {
         cancelled(observer)?;
-        let step = start..range.end.min(start + POINTS_PER_STEP);
+        let step = start..range.end.min(start + points_per_step);
         for (cut, squared_error, rays) in maker.make(step.clone())? {
             chunk.push(&cut, squared_error, rays);
         }

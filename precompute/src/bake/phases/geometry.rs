@@ -1,6 +1,5 @@
 //! The tessellated scene of a bake.
 
-use super::chunks::POINTS_PER_STEP;
 use crate::{
     bake::settings::with_room,
     errors::{BakeError, cancelled},
@@ -11,7 +10,7 @@ use crate::{
         sampler::bake_points,
         sidedness::{Sidedness, classify},
         tessellate::{POINTS_PER_VERTEX, Stored, Wanted, tessellate},
-        tracing::{ManySampler, Tracing},
+        tracing::{ManySampler, POINTS_AT_A_TIME, Tracing},
         visibility::{EXHAUSTIVE, VisibilitySampler},
     },
     warning::Warning,
@@ -131,7 +130,7 @@ impl Geometry {
         let scratch = || (vec![0; directions.len()], BoundaryTracer::default(), scratch());
         let done = AtomicU64::new(0);
         let mut results = Vec::with_capacity(points.len());
-        for step in points.chunks(POINTS_PER_STEP) {
+        for step in points.chunks(POINTS_AT_A_TIME) {
             cancelled(observer)?;
             let one = |(visible, tracer, scratch): &mut (Vec<u8>, BoundaryTracer, S), &point: &u32| {
                 let point: &BakePoint = &self.points.points[point as usize];

@@ -3,7 +3,7 @@
 use crate::{
     device::{
         Binding, GroupLayout, ModelSet, ShaderSource,
-        kernels::{self, FANS, FanWork, Hierarchy, RAYS, RayWork, Slice},
+        kernels::{self, BOUNDARIES, BoundaryWork, FANS, FanWork, Hierarchy, RAYS, RayWork, Slice},
         shaders::Program,
     },
     gpu::entries,
@@ -21,8 +21,9 @@ fn declared() -> Vec<(Program, Vec<GroupLayout>)> {
         (entry.program, entry.program.output.or(entry.groups.first().copied()).into_iter().chain(last).collect())
     });
     let rays = (RAYS, vec![Hierarchy::LAYOUT, RayWork::LAYOUT]);
+    let boundaries = (BOUNDARIES, vec![Hierarchy::LAYOUT, BoundaryWork::LAYOUT]);
     let fans = (FANS, vec![Hierarchy::LAYOUT, FanWork::LAYOUT]);
-    sliced.into_iter().chain(drawing).chain([rays, fans]).collect()
+    sliced.into_iter().chain(drawing).chain([rays, boundaries, fans]).collect()
 }
 
 fn kind(module: &Module, variable: &naga::GlobalVariable) -> Option<Binding> {

@@ -188,6 +188,10 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("PastUniforms", shape!(layout::PastUniforms, world_from_view, eye, focal, center, size)),
         ("BoxNode", shape!(layout::BoxNode, low, first, high, triangles)),
         ("RayUniforms", shape!(layout::RayUniforms, directions, words)),
+        (
+            "BoundaryUniforms",
+            shape!(layout::BoundaryUniforms, directions, words, groups, groups_per_block, places, starts),
+        ),
         ("FanUniforms", shape!(layout::FanUniforms, directions)),
         ("Fan", shape!(layout::Fan, frame, origin)),
         ("FanHit", shape!(layout::FanHit, triangle, distance, barycentric)),
