@@ -259,7 +259,7 @@ impl<'a> Begun<'a> {
     fn dataset(self, warnings: Vec<String>, mut clock: Clock) -> Result<(Dataset, Checkpoint), BakeError> {
         let Self { settings, hash, geometry, quads, tree, audit, checkpoint, devices, estimated_memory } = self;
         let observer = clock.observer;
-        let kept = checkpoint.series(Series::Environment, Places::of_scene());
+        let kept = checkpoint.series(Series::Environment, Places::of(&[], &geometry.points.coordinates()));
         let seen = bake_environment(&geometry, &tree, &settings, audit, devices, &kept, &mut clock)?;
         let tracing = Tracing { lights_per_probe: seen.lights_per_probe(), devices, observer };
         let bounces = bake_bounces(&geometry, &quads, &tree, &settings, tracing, &checkpoint, &mut clock)?;

@@ -131,6 +131,11 @@ impl BakePoints {
         result
     }
 
+    /// The coordinates of all positions in meters, point by point.
+    pub fn coordinates(&self) -> Vec<f32> {
+        self.points.iter().flat_map(|point| point.position.to_array()).collect()
+    }
+
     /// The horizon of a point is below every plane of the triangles at its vertices.
     fn lower_horizons(&mut self, mesh: &Mesh) {
         for (t, corners) in mesh.triangles.iter().enumerate() {

@@ -9,16 +9,11 @@ use lapidary_core::surfel::Surfel;
 const HASH: usize = 32;
 
 /// Hash of the points in a file. Surface sources and meshless points are placed from a viewpoint. Cameras and lights are hints for
-/// it, and may move between an interrupted bake and its resumption.
+/// it, and may move between an interrupted bake and its resumption. Bake points may differ if another device has placed vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Places([u8; HASH]);
 
 impl Places {
-    /// Hash of the bake points, which scene and settings determine.
-    pub fn of_scene() -> Self {
-        Self([0; HASH])
-    }
-
     /// Hash of points and their associated numbers.
     pub fn of(points: &[Surfel], numbers: &[f32]) -> Self {
         let mut hasher = blake3::Hasher::new();

@@ -64,7 +64,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("a.cuts");
         let checkpoint = reopened(&output);
-        let kept = checkpoint.series(Series::Transport, Places::of_scene());
+        let kept = checkpoint.series(Series::Transport, Places::of(&[], &[]));
         let rows = vec![vec![(3, Vec3::new(0.1, -2.0, 1e-9)), (7, Vec3::ONE)], Row::new(), vec![(0, Vec3::Z)]];
         kept.store_rows(4, &rows).unwrap();
         assert_eq!(kept.load_rows(4, 3, 8), Some(rows.clone()));

@@ -30,7 +30,7 @@ fn chunks_survive_and_damaged_or_misplaced_ones_do_not_count() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("a.cuts");
     let checkpoint = reopened(&output);
-    let kept = checkpoint.series(Series::Environment, Places::of_scene());
+    let kept = checkpoint.series(Series::Environment, Places::of(&[], &[]));
     kept.store(0, &chunk()).unwrap();
     assert_eq!(kept.load(0, 3, 1), Some(chunk()));
     assert_eq!((kept.load(0, 4, 1), kept.load(1, 3, 1)), (None, None));
@@ -39,7 +39,7 @@ fn chunks_survive_and_damaged_or_misplaced_ones_do_not_count() {
     let first = file(Series::Environment, 0);
     fs::copy(&first, file(Series::Environment, 1)).unwrap();
     fs::copy(&first, file(Series::Sources, 0)).unwrap();
-    let sources = checkpoint.series(Series::Sources, Places::of_scene());
+    let sources = checkpoint.series(Series::Sources, Places::of(&[], &[]));
     assert_eq!((kept.load(1, 3, 1), sources.load(0, 3, 1)), (None, None), "doubled");
     let mut bytes = fs::read(&first).unwrap();
     *bytes.last_mut().unwrap() ^= 1;
@@ -56,13 +56,13 @@ fn chunks_of_another_bake_are_not_read() {
         .unwrap();
     let other_settings = BakeSettings { beta: 0.4, ..settings() };
     let of_other = Checkpoint::open(&other, &Work::All, &content(), &other_settings).unwrap().unwrap();
-    of_other.series(Series::Environment, Places::of_scene()).store(0, &chunk()).unwrap();
+    of_other.series(Series::Environment, Places::of(&[], &[])).store(0, &chunk()).unwrap();
     let name = Series::Environment.file_name(0);
     fs::copy(Checkpoint::folder_of(&other).join(&name), Checkpoint::folder_of(&output).join(&name)).unwrap();
-    let kept = checkpoint.series(Series::Environment, Places::of_scene());
+    let kept = checkpoint.series(Series::Environment, Places::of(&[], &[]));
     assert_eq!(kept.load(0, 3, 1), None);
     assert!(!kept.has_met_others(), "it is no chunk of this bake about other points");
-    assert!(of_other.series(Series::Environment, Places::of_scene()).load(0, 3, 1).is_some(), "negative control");
+    assert!(of_other.series(Series::Environment, Places::of(&[], &[])).load(0, 3, 1).is_some(), "negative control");
 }
 
 #[test]
@@ -82,11 +82,11 @@ fn nothing_is_read_unless_a_bake_resumes() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("a.cuts");
     let fresh = created(&output);
-    let kept = fresh.series(Series::Environment, Places::of_scene());
+    let kept = fresh.series(Series::Environment, Places::of(&[], &[]));
     kept.store(0, &chunk()).unwrap();
     assert_eq!(kept.load(0, 3, 1), None);
     let resumed = Checkpoint::open(&output, &Work::All, &content(), &settings()).unwrap().unwrap();
-    assert!(resumed.series(Series::Environment, Places::of_scene()).load(0, 3, 1).is_some(), "negative control");
+    assert!(resumed.series(Series::Environment, Places::of(&[], &[])).load(0, 3, 1).is_some(), "negative control");
     drop(created(&output));
     assert_eq!(fs::read_dir(Checkpoint::folder_of(&output)).unwrap().count(), 1, "the manifest alone");
 }

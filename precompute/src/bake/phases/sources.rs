@@ -24,7 +24,11 @@ use crate::{
         placement::{place_sources, placement_units},
         sampler::SourceSampler,
     },
-    vertices::{points::BakePoint, tracing::ManySampler, visibility::EXHAUSTIVE},
+    vertices::{
+        points::{BakePoint, BakePoints},
+        tracing::ManySampler,
+        visibility::EXHAUSTIVE,
+    },
     warning::{SourcesWarning, Warning},
 };
 use lapidary_core::{
@@ -38,7 +42,7 @@ impl Bouncing<'_> {
     /// All phases of the sources.
     pub fn bake_indirect(&self, clock: &mut Clock) -> Result<(IndirectBake, IndirectReport), BakeError> {
         let sources = self.sources(clock)?;
-        let places = places_of(&sources);
+        let places = places_of(&sources, &self.geometry.points);
         let SeenSources { packed: seen, coarsened, audit } = self.source_cuts(&sources, places, clock)?;
         let environment = self.environment_cuts(&sources, places, clock)?;
         let spacings = || sources.iter().map(|source| source.spacing);
@@ -136,9 +140,10 @@ struct SeenSources {
     audit: Option<BakeAudit>,
 }
 
-/// Hash for the chunks of these sources.
-fn places_of(sources: &[Source]) -> Places {
+/// Hash for the chunks of these sources and bake points.
+fn places_of(sources: &[Source], points: &BakePoints) -> Places {
     let surfels: Vec<Surfel> = sources.iter().map(|s| s.surfel).collect();
-    let sizes: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();
-    Places::of(&surfels, &sizes)
+    let mut numbers: Vec<f32> = sources.iter().flat_map(|s| [s.area, s.spacing]).collect();
+    numbers.extend(points.coordinates());
+    Places::of(&surfels, &numbers)
 }

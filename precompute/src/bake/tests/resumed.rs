@@ -5,6 +5,7 @@ use crate::errors::CheckpointError;
 use crate::{
     bake::checkpoint::{Content, Places, Series, Work},
     meshless::transport::steps::KeepsRows,
+    vertices::sampler::bake_points,
 };
 use lapidary_core::camera::Camera;
 use lapidary_interchange::image;
@@ -206,4 +207,28 @@ fn a_chunk_that_is_taken_away_before_it_is_packed_is_told_and_made_anew() {
     let resumed = bake(scene(), &BakeJob { resume: true, ..job.clone() }, &Silent).unwrap();
     let whole = bake(scene(), &BakeJob { output: folder.path().join("b.cuts"), ..job }, &Silent).unwrap();
     assert_eq!(contents(&resumed), contents(&whole));
+}
+
+#[test]
+fn chunks_of_vertices_that_lay_elsewhere_are_baked_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = bake(scene(), &job(folder.path(), "whole.cuts"), &Silent).unwrap();
+    let points = bake_points(&whole);
+    // A ray is added to the first chunk, which is kept for vertices at these coordinates.
+    let rays_with_chunk_for = |coordinates: &[f32]| {
+        let job = interrupted(folder.path());
+        let content = Content::still(&whole.scene_hash);
+        let checkpoint = Checkpoint::open(&job.output, &Work::All, &content, &job.settings).unwrap().unwrap();
+        let kept = |coordinates: &[f32]| checkpoint.series(Series::Environment, Places::of(&[], coordinates));
+        let known = kept(&points.coordinates());
+        let length = known.range(points.points.len(), 0).len();
+        let mut chunk = known.load(0, length, whole.tree.height()).unwrap();
+        chunk.rays += 1;
+        kept(coordinates).store(0, &chunk).unwrap();
+        bake(scene(), &BakeJob { resume: true, ..job }, &Silent).unwrap().report.rays_traced
+    };
+    let mut elsewhere = points.coordinates();
+    elsewhere[0] += 0.1;
+    assert_eq!(rays_with_chunk_for(&elsewhere), whole.report.rays_traced);
+    assert_eq!(rays_with_chunk_for(&points.coordinates()), whole.report.rays_traced + 1, "negative control");
 }
