@@ -68,7 +68,8 @@ pub fn bake(scene: Scene, job: &BakeJob, observer: &dyn Observer) -> Result<Data
     bake_on(scene, job, None, observer)
 }
 
-/// [`bake`], with the environment's visibility traced by `devices` if given. Datasets differ only for rays along edges.
+/// [`bake`], with the environment's visibility and the pilot of tessellation traced by `devices` if given. Datasets differ only for
+/// rays along edges, and for vertices that such rays ask for.
 ///
 /// # Errors
 /// See [`bake`]. A device that fails is none: the processor goes on, with a warning.
@@ -248,7 +249,7 @@ impl<'a> Begun<'a> {
         let units = tessellation_units(vertices);
         let geometry = clock.time(Phase::Tessellate, units, "points", || {
             let stored = Stored::of(settings.mode).filter(|_| !settings.even_vertices);
-            Geometry::new(scene, stored, settings.max_vertices, &settings.shots, observer)
+            Geometry::new(scene, stored, settings.max_vertices, &settings.shots, devices, observer)
         })?;
         cancelled(observer)?;
         let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, content, resumed, devices, clock)?;

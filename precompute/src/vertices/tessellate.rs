@@ -8,6 +8,7 @@
 
 mod edges;
 mod pilot;
+mod pilot_device;
 mod scale;
 mod split;
 
@@ -17,7 +18,12 @@ use crate::{
     vertices::sidedness::Sidedness,
 };
 use edges::Edges;
-use lapidary_core::{bounds::Bounds, ray::Intersector, scene::Mesh, shot::Shot};
+use lapidary_core::{
+    bounds::Bounds,
+    ray::{Intersector, RayDevices},
+    scene::Mesh,
+    shot::Shot,
+};
 use pilot::Pilot;
 pub use pilot::{Stored, trace_seconds};
 use rayon::prelude::*;
@@ -51,6 +57,8 @@ pub struct Wanted<'a> {
     pub shots: &'a [Shot],
     /// Bounds of the scene, for the ground around it: density falls with distance.
     pub around: Option<Bounds>,
+    /// Devices that trace the pilot's rays instead of the cores. Results differ only for rays along edges.
+    pub devices: Option<&'a dyn RayDevices>,
     /// Counts the points that the pilot has traced.
     pub traced: &'a AtomicU64,
 }
@@ -67,12 +75,12 @@ pub fn tessellate(
     wanted: Wanted,
     observer: &dyn Observer,
 ) -> Result<(), BakeError> {
-    let Wanted { stored, budget, .. } = wanted;
+    let Wanted { stored, budget, devices, traced, .. } = wanted;
     if mesh.positions.len() >= budget {
         return Ok(());
     }
     let scale = EdgeScale::new(mesh, scene, wanted, observer);
-    let mut pilot = stored.map(|stored| Pilot::new(scene, stored, scale.unit, (observer, wanted.traced)));
+    let mut pilot = stored.map(|stored| Pilot::new((scene, devices), stored, scale.unit, (observer, traced)));
     for round in 1..=ROUNDS {
         cancelled(observer)?;
         let left = budget.saturating_sub(mesh.positions.len());

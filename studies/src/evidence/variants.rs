@@ -47,7 +47,7 @@ impl VariantBaker {
         observer.event(Event::Started { phase: Phase::Tessellate, total, unit: "points" });
         let start = Instant::now();
         let hash = scene_hash(&scene);
-        let geometry = Geometry::new(scene, Stored::of(BakeParts::ENVIRONMENT), max_vertices, &[], observer)?;
+        let geometry = Geometry::new(scene, Stored::of(BakeParts::ENVIRONMENT), max_vertices, &[], None, observer)?;
         Ok(Self { geometry, hash, max_vertices, tessellate_secs: start.elapsed().as_secs_f64() })
     }
 

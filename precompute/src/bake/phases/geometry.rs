@@ -20,7 +20,7 @@ use lapidary_core::{
     dataset::Dataset,
     ground::LEAST_VERTICES,
     light_tree::PilotVisibility,
-    ray::{BoundaryTracer, Intersector},
+    ray::{BoundaryTracer, Intersector, RayDevices},
     scene::Scene,
     shot::Shot,
 };
@@ -42,7 +42,7 @@ pub struct Geometry {
 
 impl Geometry {
     /// Tessellates for the vertices' stored functions within a budget of vertices, most finely in the view of `shots`; `None` adds
-    /// no vertices. A ground gets additional vertices.
+    /// no vertices. A ground gets additional vertices. `devices` trace instead of the cores if given.
     ///
     /// # Errors
     /// [`BakeError::Cancelled`].
@@ -51,6 +51,7 @@ impl Geometry {
         stored: Option<Stored>,
         budget: Option<usize>,
         shots: &[Shot],
+        devices: Option<&dyn RayDevices>,
         observer: &dyn Observer,
     ) -> Result<Self, BakeError> {
         let source_vertices = scene.mesh.vertices_of_scene();
@@ -63,13 +64,13 @@ impl Geometry {
         let traced = AtomicU64::new(0);
         let ground = scene.mesh.split_off_ground().map(|ground| (ground, sides.split_off(scene.mesh.triangles.len())));
         if let Some(budget) = budget {
-            let wanted = Wanted { stored, budget, shots, around: None, traced: &traced };
+            let wanted = Wanted { stored, budget, shots, around: None, devices, traced: &traced };
             tessellate(&mut scene.mesh, &mut sides, &source, wanted, observer)?;
         }
         let is_split = budget.is_some() || ground.is_some();
         if let Some((mut ground, mut sides_of_ground)) = ground {
             let around = Some(scene.mesh.bounds());
-            let wanted = Wanted { stored, budget: ground_budget(most), shots: &[], around, traced: &traced };
+            let wanted = Wanted { stored, budget: ground_budget(most), shots: &[], around, devices, traced: &traced };
             tessellate(&mut ground, &mut sides_of_ground, &source, wanted, observer)?;
             scene.mesh.append_ground(ground);
             sides.append(sides_of_ground);

@@ -1,19 +1,24 @@
 //! Error of linear interpolation of visibility at the middle of an edge.
 
-use super::edges::{Edges, end_vertices};
+use super::{
+    edges::{Edges, end_vertices},
+    pilot_device::PilotDevice,
+};
 use crate::{
     errors::{BakeError, cancelled},
     observer::{Event, Observer},
     vertices::{
         points::{BakePoint, BakePoints},
         sidedness::{Sidedness, exact_key},
+        tracing::origins_of,
+        until_failure::UntilFailure,
         z_order::z_order,
     },
 };
 use glam::Vec3;
 use lapidary_core::{
     dataset::BakeParts,
-    ray::{EightRays, Intersector},
+    ray::{EightRays, Intersector, RayDevices},
     scene::Mesh,
     sphere::fibonacci_directions,
     threads::CoreClock,
@@ -28,7 +33,10 @@ const DIRECTIONS: usize = 128;
 
 /// Every how many of these directions is traced from midpoints of edges shorter than a unit, most edges of a dense mesh: what their ends do
 /// not tell is known to about 1 / √32.
-const OF_SHORT: usize = 4;
+pub(super) const OF_SHORT: usize = 4;
+
+/// Points of one piece of work for a device, between checks for cancellation.
+const POINTS_PER_PIECE: usize = 8192;
 
 /// Functions that vertices store, which must be linear along edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +64,7 @@ const HALF_DISTANCE: f32 = 24.0;
 /// Visibility and nearness from single points over few directions.
 pub(super) struct Pilot<'a> {
     scene: &'a Intersector,
+    device: UntilFailure<'a, PilotDevice>,
     toward: Vec<Vec3>,
     stored: Stored,
     /// Distance in meters at which nearness is a half.
@@ -80,12 +89,6 @@ struct PilotSample {
     nearness: Option<Box<[u8; DIRECTIONS]>>,
 }
 
-impl PilotSample {
-    fn see_open(&mut self, direction: usize) {
-        self.open[direction / 64] |= 1 << (direction % 64);
-    }
-}
-
 /// Position, normal and sides of a point. Its offset and horizon change slightly as adjacent triangles are split; its sample is
 /// kept anyway.
 type PointKey = ([u32; 3], [u32; 3], bool);
@@ -97,14 +100,16 @@ fn key_of(point: &BakePoint) -> PointKey {
 impl<'a> Pilot<'a> {
     /// `unit` is the edge length of equal triangles, in meters.
     pub fn new(
-        scene: &'a Intersector,
+        (scene, devices): (&'a Intersector, Option<&dyn RayDevices>),
         stored: Stored,
         unit: f32,
         (observer, traced): (&'a dyn Observer, &'a AtomicU64),
     ) -> Self {
         let toward = fibonacci_directions(DIRECTIONS);
+        let device = PilotDevice::new(devices, scene, stored.bounces, &toward);
         Self {
             scene,
+            device: UntilFailure::new(device, observer),
             toward,
             stored,
             half_distance: HALF_DISTANCE * unit,
@@ -116,15 +121,60 @@ impl<'a> Pilot<'a> {
         }
     }
 
-    /// Samples of the points in order, in every `step`th direction. Neighbors are traced together, because their rays in one direction are close.
+    /// Samples of the points in order, in every `step`th direction.
     fn seen_from(&self, points: &[BakePoint], step: usize) -> Result<Vec<PilotSample>, BakeError> {
+        let mut samples = Vec::with_capacity(points.len());
+        let piece = self.device.get().map_or(points.len().max(1), |_| POINTS_PER_PIECE);
+        for points in points.chunks(piece) {
+            cancelled(self.observer)?;
+            match self.device.run(|device| self.seen_by_device(device, points, step)) {
+                Some(seen) => {
+                    self.advance(points.len(), step);
+                    samples.extend(seen);
+                }
+                None => samples.extend(self.seen_by_cores(points, step)?),
+            }
+        }
+        Ok(samples)
+    }
+
+    /// Samples of points, with a fan of rays from each side.
+    fn seen_by_device(
+        &self,
+        device: &PilotDevice,
+        points: &[BakePoint],
+        step: usize,
+    ) -> Result<Vec<PilotSample>, String> {
+        let origins = origins_of(points);
+        let met = device.trace(&origins, step)?;
+        let directions: Vec<(usize, Vec3)> = self.toward.iter().copied().enumerate().step_by(step).collect();
+        let mut next = 0;
+        let firsts = points.iter().map(|point| {
+            next += point.sides().len();
+            next - point.sides().len()
+        });
+        let sample = |(point, first): (&BakePoint, usize)| {
+            let mut sample = self.nothing_seen();
+            for (ray, &(direction, d)) in directions.iter().enumerate() {
+                let facing = point.side_of(d);
+                if let Some(side) = point.sides().iter().position(|&side| side == facing) {
+                    let distance = met.distance(first + side, ray, directions.len());
+                    self.see(&mut sample, direction, distance == f32::INFINITY, distance);
+                }
+            }
+            sample
+        };
+        Ok(points.par_iter().zip(firsts.collect::<Vec<_>>()).map(sample).collect())
+    }
+
+    /// Samples of points by the cores. Neighbors are traced together, because their rays in one direction are close.
+    fn seen_by_cores(&self, points: &[BakePoint], step: usize) -> Result<Vec<PilotSample>, BakeError> {
         let order = z_order(points);
         let eights = order.par_chunks(8).map(|members| {
             cancelled(self.observer)?;
             let eight: Vec<&BakePoint> = members.iter().map(|&i| &points[i as usize]).collect();
             let seen = members.iter().copied().zip(self.seen_from_eight(&eight, step)).collect::<Vec<_>>();
-            let traced = members.len().div_ceil(step) as u64;
-            self.observer.event(Event::Advanced { done: self.traced.fetch_add(traced, Ordering::Relaxed) + traced });
+            self.advance(members.len(), step);
             Ok(seen)
         });
         let eights = eights.collect::<Result<Vec<_>, BakeError>>()?;
@@ -133,31 +183,43 @@ impl<'a> Pilot<'a> {
         Ok(samples.into_iter().map(|(_, sample)| sample).collect())
     }
 
+    /// Tells of points that were traced in every `step`th direction.
+    fn advance(&self, points: usize, step: usize) {
+        let traced = points.div_ceil(step) as u64;
+        self.observer.event(Event::Advanced { done: self.traced.fetch_add(traced, Ordering::Relaxed) + traced });
+    }
+
     /// Samples of one to eight points, in every `step`th direction.
     fn seen_from_eight(&self, points: &[&BakePoint], step: usize) -> Vec<PilotSample> {
         let rays: Vec<EightRays> = self.toward.iter().step_by(step).map(|&d| rays_in_direction(points, d)).collect();
-        let nearness = self.stored.bounces.then(|| Box::new([0; DIRECTIONS]));
-        let mut seen = vec![PilotSample { open: [0; DIRECTIONS / 64], nearness }; points.len()];
-        if self.stored.bounces {
-            let open = self.scene.mostly_open(&rays);
-            for (i, (rays, distances)) in rays.iter().zip(self.scene.closest_distances(&rays)).enumerate() {
-                for (lane, sample) in seen.iter_mut().enumerate().filter(|(lane, _)| rays.active() >> lane & 1 == 1) {
-                    let distance = distances[lane];
-                    if open[i] >> lane & 1 == 1 && self.stored.environment {
-                        sample.see_open(step * i);
-                    }
-                    // Zero at an infinite distance.
-                    let nearness = (255.0 / (1.0 + distance / self.half_distance)) as u8;
-                    sample.nearness.iter_mut().for_each(|of| of[step * i] = nearness);
-                }
-            }
-        } else {
-            for (i, open) in self.scene.mostly_open(&rays).into_iter().enumerate() {
-                let lanes = seen.iter_mut().enumerate().filter(|(lane, _)| open >> lane & 1 == 1);
-                lanes.for_each(|(_, sample)| sample.see_open(step * i));
+        let mut seen = vec![self.nothing_seen(); points.len()];
+        let open = self.scene.mostly_open(&rays);
+        // Nearness alone needs distances.
+        let distances = if self.stored.bounces { self.scene.closest_distances(&rays) } else { Vec::new() };
+        for (i, (rays, open)) in rays.iter().zip(open).enumerate() {
+            for (lane, sample) in seen.iter_mut().enumerate().filter(|(lane, _)| rays.active() >> lane & 1 == 1) {
+                let distance = distances.get(i).map_or(0.0, |of| of[lane]);
+                self.see(sample, step * i, open >> lane & 1 == 1, distance);
             }
         }
         seen
+    }
+
+    /// The sample of a point before any ray.
+    fn nothing_seen(&self) -> PilotSample {
+        let nearness = self.stored.bounces.then(|| Box::new([0; DIRECTIONS]));
+        PilotSample { open: [0; DIRECTIONS / 64], nearness }
+    }
+
+    /// Records a ray, with the distance in meters of what it meets if light from surfaces is stored.
+    fn see(&self, sample: &mut PilotSample, direction: usize, is_open: bool, distance: f32) {
+        if is_open && self.stored.environment {
+            sample.open[direction / 64] |= 1 << (direction % 64);
+        }
+        if let Some(nearness) = &mut sample.nearness {
+            // Zero at an infinite distance.
+            nearness[direction] = (255.0 / (1.0 + distance / self.half_distance)) as u8;
+        }
     }
 
     /// Traces some points, which are known from then on.
@@ -232,7 +294,7 @@ pub fn trace_seconds(
     observer: &dyn Observer,
 ) -> Result<f64, BakeError> {
     let traced = AtomicU64::new(0);
-    let pilot = Pilot::new(scene, stored, 1.0, (observer, &traced));
+    let pilot = Pilot::new((scene, None), stored, 1.0, (observer, &traced));
     let start = CoreClock::begin();
     pilot.seen_from(points, 1)?;
     Ok(start.secs())

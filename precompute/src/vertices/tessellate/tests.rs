@@ -3,17 +3,15 @@
 use super::{edges::end_vertices, split::midpoint_vertex, *};
 use crate::{
     observer::{Event, Silent},
-    test_scenes::{cuboid, floor, room, scene_of},
+    test_devices::{Emulated, Warnings},
+    test_scenes::{cuboid, floor, quad, room, scene_of},
     vertices::sidedness::classify,
 };
 use glam::{Vec2, Vec3, Vec4};
 use lapidary_core::{camera::Camera, dataset::BakeParts, scene::Scene};
 use std::{
     collections::HashSet,
-    sync::{
-        Mutex,
-        atomic::{AtomicU64, AtomicUsize, Ordering},
-    },
+    sync::atomic::{AtomicU64, AtomicUsize, Ordering},
 };
 
 const DISTANT: Stored = Stored { environment: true, bounces: false };
@@ -31,7 +29,8 @@ fn tessellated(budget: usize) -> Scene {
 fn tessellated_for(stored: impl Into<Option<Stored>>, shots: &[Shot], mut scene: Scene, budget: usize) -> Scene {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
-    let wanted = Wanted { stored: stored.into(), budget, shots, around: None, traced: &AtomicU64::new(0) };
+    let wanted =
+        Wanted { stored: stored.into(), budget, shots, around: None, devices: None, traced: &AtomicU64::new(0) };
     tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &Silent).unwrap();
     assert_eq!(sides.two_sided.len(), scene.mesh.triangles.len());
     scene
@@ -164,24 +163,19 @@ fn a_shot_that_sees_nothing_is_remarked_and_changes_nothing() {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
     let without = tessellated_for(DISTANT, &[], scene.clone(), 3000).mesh;
-    let remarks = Remarks(Mutex::default());
-    let wanted =
-        Wanted { stored: Some(DISTANT), budget: 3000, shots: &[away], around: None, traced: &AtomicU64::new(0) };
-    tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &remarks).unwrap();
+    let warnings = Warnings::default();
+    let wanted = Wanted {
+        stored: Some(DISTANT),
+        budget: 3000,
+        shots: &[away],
+        around: None,
+        devices: None,
+        traced: &AtomicU64::new(0),
+    };
+    tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &warnings).unwrap();
     assert_eq!(scene.mesh, without);
-    let remarks = remarks.0.into_inner().unwrap();
-    assert!(remarks.len() == 1 && remarks[0].contains("shot 1 sees no surface"), "{remarks:?}");
-}
-
-/// Keeps remarks.
-struct Remarks(Mutex<Vec<String>>);
-
-impl Observer for Remarks {
-    fn event(&self, event: Event) {
-        if let Event::Warning { message } = event {
-            self.0.lock().unwrap().push(message.to_string());
-        }
-    }
+    let warning = warnings.only_one();
+    assert!(warning.contains("shot 1 sees no surface"), "{warning}");
 }
 
 #[test]
@@ -208,7 +202,14 @@ fn asked_until(limit: usize) -> (bool, usize, usize) {
     let mut sides = classify(&scene);
     let intersector = Intersector::new(&scene.mesh);
     let observer = Impatient { asked: AtomicUsize::new(0), limit };
-    let wanted = Wanted { stored: Some(DISTANT), budget: 3000, shots: &[], around: None, traced: &AtomicU64::new(0) };
+    let wanted = Wanted {
+        stored: Some(DISTANT),
+        budget: 3000,
+        shots: &[],
+        around: None,
+        devices: None,
+        traced: &AtomicU64::new(0),
+    };
     let result = tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, &observer);
     (result.is_err(), observer.asked.into_inner(), scene.mesh.positions.len())
 }
@@ -236,4 +237,60 @@ fn a_vertex_between_two_has_the_mean_of_their_second_texture_coordinates_and_col
     midpoint_vertex(&mut mesh, &mut Default::default(), 0, 1);
     assert_eq!((mesh.uvs[2], mesh.second_uvs[2]), (Vec2::new(0.5, 0.0), Vec2::new(0.0, 2.0)));
     assert_eq!(mesh.colors[2], Vec3::new(0.5, 0.5, 0.0));
+}
+
+/// A box and a banner over a floor, by devices or by the cores.
+fn tessellated_on(devices: Option<&Emulated>, stored: Stored, opacity: f32, observer: &dyn Observer) -> Mesh {
+    let mut triangles = floor(2.0, 0.0).to_vec();
+    triangles.extend(cuboid(Vec3::new(0.3, 0.6, 0.2), Vec3::splat(0.25)));
+    let p = |x: f32, y: f32| Vec3::new(x, y, 0.9);
+    triangles.extend(quad(p(-1.0, 0.2), p(1.0, 0.2), p(1.0, 1.0), p(-1.0, 1.0)));
+    let mut scene = scene_of(&triangles);
+    scene.materials[0].parameters.set("geometry_opacity", opacity);
+    let mut sides = classify(&scene);
+    let intersector = Intersector::of_scene(&scene);
+    let devices = devices.map(|devices| devices as &dyn RayDevices);
+    let traced = AtomicU64::new(0);
+    let wanted = Wanted { stored: Some(stored), budget: 2000, shots: &[], around: None, devices, traced: &traced };
+    tessellate(&mut scene.mesh, &mut sides, &intersector, wanted, observer).unwrap();
+    scene.mesh
+}
+
+const OF_ALL_KINDS: [Stored; 3] =
+    [DISTANT, Stored { environment: true, bounces: true }, Stored { environment: false, bounces: true }];
+
+#[test]
+fn a_device_asks_for_the_same_vertices_as_the_cores() {
+    for stored in OF_ALL_KINDS {
+        let devices = Emulated::lasting();
+        let cores = tessellated_on(None, stored, 1.0, &Silent);
+        assert!(tessellated_on(Some(&devices), stored, 1.0, &Silent) == cores, "{stored:?}");
+        assert!(devices.begun() > 4, "{} pieces of work", devices.begun());
+        let other = tessellated_on(Some(&Emulated::blind()), stored, 1.0, &Silent);
+        assert!(other != cores, "negative control: a device that sees nothing");
+    }
+}
+
+#[test]
+fn the_cores_go_on_with_vertices_where_a_device_fails_and_say_so_once() {
+    for stored in OF_ALL_KINDS {
+        let cores = tessellated_on(None, stored, 1.0, &Silent);
+        for (devices, reason, begun) in [(Emulated::lost_after(2), "unplugged", 3), (Emulated::full(), "no room", 0)] {
+            let warnings = Warnings::default();
+            assert!(tessellated_on(Some(&devices), stored, 1.0, &warnings) == cores, "{reason}");
+            assert_eq!(devices.begun(), begun, "it is not asked again");
+            assert!(warnings.only_one().contains(reason));
+        }
+    }
+}
+
+#[test]
+fn thin_surfaces_are_left_to_the_cores() {
+    for stored in OF_ALL_KINDS {
+        let devices = Emulated::blind();
+        let thin = tessellated_on(Some(&devices), stored, 0.7, &Silent);
+        assert!(thin == tessellated_on(None, stored, 0.7, &Silent) && devices.begun() == 0);
+        tessellated_on(Some(&devices), stored, 1.0, &Silent);
+        assert!(devices.begun() > 0, "negative control");
+    }
 }
