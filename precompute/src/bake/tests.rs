@@ -30,6 +30,7 @@ use std::{
     },
 };
 
+mod devices;
 mod ground;
 mod opacity;
 mod posed;

@@ -13,17 +13,19 @@ use crate::{
     },
     vertices::{
         points::BakePoint,
-        visibility::{EXHAUSTIVE, FINEST, USUAL, VisibilitySampler},
+        tracing::{ManySampler, POINTS_AT_A_TIME, Tracing},
+        visibility::{EXHAUSTIVE, FINEST, USUAL},
     },
 };
 use lapidary_core::{
     cut::{CutSelector, SourceCutSelector, solid_angle_error, squared_error},
     dataset::BakeAudit,
     light_tree::LightTree,
-    ray::{BoundaryTracer, Intersector},
+    ray::{Intersector, RayDevices},
     sources::Source,
 };
 use rayon::prelude::*;
+use std::cell::LazyCell;
 
 /// One in this many bake points is audited.
 const ONE_OF: usize = 100;
@@ -41,30 +43,42 @@ pub fn audit_environment(
     scene: &Intersector,
     tree: &LightTree,
     settings: &ResolvedBake,
-    observer: &dyn Observer,
+    (devices, observer): (Option<&dyn RayDevices>, &dyn Observer),
 ) -> Result<Option<BakeAudit>, BakeError> {
-    let all = VisibilitySampler::new(scene, tree, EXHAUSTIVE);
-    let scratch = || {
-        let selector = CutSelector::new(tree.height(), settings.criterion);
-        (selector, BoundaryTracer::default(), [vec![0; tree.len()], vec![0; tree.len()]])
+    let sampler = |lights_per_probe| {
+        ManySampler::new(scene, tree.leaf_directions(), Tracing { lights_per_probe, devices, observer })
     };
+    let all = LazyCell::new(|| sampler(EXHAUSTIVE));
+    let selector = || CutSelector::new(tree.height(), settings.criterion);
     coarsest_good(settings, |lights_per_probe| {
-        let probed = VisibilitySampler::new(scene, tree, lights_per_probe);
-        audit(points, lights_per_probe, observer, scratch, |(selector, tracer, [traced, seen]), point| {
-            all.sample(point, tracer, traced);
-            probed.sample(point, tracer, seen);
-            let (mut cut, mut exhaustive) = (Vec::new(), Vec::new());
-            selector.select(seen, &mut cut);
-            let squared_error_exhaustive = selector.select(traced, &mut exhaustive);
-            Sums {
-                leaves: traced.len(),
-                wrong: traced.iter().zip(seen).filter(|(a, b)| a != b).count(),
-                norm: traced.len() as f64,
-                squared_error: squared_error(tree.height(), &cut, traced),
-                squared_error_exhaustive,
-            }
-        })
+        let probed = sampler(lights_per_probe);
+        let mut sums = Vec::new();
+        let points = audited(points);
+        for some in points.chunks(POINTS_AT_A_TIME) {
+            cancelled(observer)?;
+            let visible = |sampler: &ManySampler| sampler.each(some, || (), |(), visible, _| visible.to_vec());
+            let (traced, seen) = (visible(&all), visible(&probed));
+            let compare = |selector: &mut CutSelector, (traced, seen): (&Vec<u8>, &Vec<u8>)| {
+                sums_of_lights(selector, tree.height(), traced, seen)
+            };
+            sums.par_extend(traced.par_iter().zip(&seen).map_init(selector, compare));
+        }
+        Ok(audit_of(&sums, lights_per_probe))
     })
+}
+
+/// Sums over the lights that a point sees: all are traced, or some are seen along boundaries.
+fn sums_of_lights(selector: &mut CutSelector, height: u32, traced: &[u8], seen: &[u8]) -> Sums {
+    let (mut cut, mut exhaustive) = (Vec::new(), Vec::new());
+    selector.select(seen, &mut cut);
+    let squared_error_exhaustive = selector.select(traced, &mut exhaustive);
+    Sums {
+        leaves: traced.len(),
+        wrong: traced.iter().zip(seen).filter(|(a, b)| a != b).count(),
+        norm: traced.len() as f64,
+        squared_error: squared_error(height, &cut, traced),
+        squared_error_exhaustive,
+    }
 }
 
 /// The audit for the surface sources, in tree order; segments to them end `offset` meters off their surface.
@@ -138,7 +152,7 @@ struct Sums {
     squared_error_exhaustive: f64,
 }
 
-/// Sums of `compare` over some of the points. `scratch` creates buffers that are reused.
+/// The audit by `compare` at some of the points. `scratch` creates buffers that are reused.
 fn audit<S>(
     points: &[BakePoint],
     leaves_per_probe: usize,
@@ -153,15 +167,20 @@ fn audit<S>(
     };
     // Collected in order: sums must not depend on thread timing.
     let sums = points.par_iter().map_init(scratch, one).collect::<Result<Vec<Sums>, BakeError>>()?;
+    Ok(audit_of(&sums, leaves_per_probe))
+}
+
+/// The audit by sums at points.
+fn audit_of(sums: &[Sums], leaves_per_probe: usize) -> BakeAudit {
     let sum = |of: fn(&Sums) -> usize| sums.iter().map(of).sum::<usize>() as f64;
     let rms = |of: fn(&Sums) -> f64| relative_rms(&sums.iter().map(|s| (of(s), s.norm)).collect::<Vec<_>>());
-    Ok(BakeAudit {
-        vertices: points.len(),
+    BakeAudit {
+        vertices: sums.len(),
         leaves_wrong: sum(|s| s.wrong) / sum(|s| s.leaves).max(1.0),
         rms_error: rms(|s| s.squared_error),
         rms_exhaustive: rms(|s| s.squared_error_exhaustive),
         leaves_per_probe,
-    })
+    }
 }
 
 /// Points spread evenly over all points.

@@ -51,7 +51,7 @@ pub fn bake_environment<'a>(
     clock.time(Phase::Visibility, points.len() as u64, "points", || {
         let audit = match known {
             Some(audit) => Some(audit),
-            None => audit_environment(points, &geometry.intersector, tree, settings, observer)?,
+            None => audit_environment(points, &geometry.intersector, tree, settings, (devices, observer))?,
         };
         let lights_per_probe = audit.map_or(EXHAUSTIVE, |audit| audit.leaves_per_probe);
         let tracing = Tracing { lights_per_probe, devices, observer };

@@ -136,8 +136,9 @@ pub struct BakeArgs {
         allow_hyphen_values = true
     )]
     pub shots: Vec<ShotOption>,
-    /// Device that traces the environment's visibility: cpu; gpu; or auto, a graphics card that can hold the scene, else cpu.
-    /// Results differ only for rays along edges; shards use cpu unless gpu is given
+    /// Device that traces rays of the environment and of tessellation: cpu; gpu; or auto, a graphics card that can hold the scene,
+    /// else cpu. Results differ only for rays along edges, and for vertices that such rays ask for; shards use cpu unless gpu is
+    /// given
     #[arg(long, value_enum, default_value_t)]
     pub device: DeviceChoice,
     /// Worker threads, 1 to 1024; the result does not depend on them [default: one per core]
