@@ -1,7 +1,7 @@
 //! Rays on an adapter against those on the cores.
 
 use super::*;
-use crate::device::{Room, test_adapter::on_adapter};
+use crate::device::test_adapter::{on_adapter, shared_device};
 use lapidary_core::{
     ray::{BoundaryTracer, DirectionSet, HalfSpace, OPEN},
     sphere::fibonacci_directions,
@@ -25,7 +25,7 @@ fn ties(row: &[u32], visible: &[u8]) -> usize {
 
 #[test]
 fn rays_on_the_gpu_agree_with_those_on_the_processor() {
-    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
     let rays = GpuRays::on(&device, true).unwrap();
     for (triangles, lights) in [(600, 32_768), (600, 4096), (3, 64), (0, 32)] {
         let scene = Intersector::new(&soup(5, triangles));
@@ -67,7 +67,7 @@ fn differing_along(set: &BoundarySet, scene: &Intersector, origins: &[RayOrigin]
 
 #[test]
 fn boundaries_on_the_gpu_are_those_on_the_processor() {
-    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
     let rays = GpuRays::on(&device, true).unwrap();
     let origins = origins(90);
     for (triangles, lights, per_probe) in
@@ -95,7 +95,7 @@ fn boundaries_on_the_gpu_are_those_on_the_processor() {
 
 #[test]
 fn more_origins_than_one_piece_of_work_have_their_own_rows() {
-    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
     let rays = GpuRays::on(&device, true).unwrap();
     let scene = Intersector::new(&soup(5, 60));
     let directions = fibonacci_directions(64);
