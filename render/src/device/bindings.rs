@@ -19,6 +19,11 @@ pub struct Shaders {
 }
 
 impl Shaders {
+    /// Whether all loops end. Ours do: they walk cuts, lists and trees of data that were checked, forward. What users write may not.
+    pub fn loops_end(&self) -> bool {
+        matches!(self.source, ShaderSource::Embedded) && !self.models.has_written()
+    }
+
     /// The text of a program.
     ///
     /// # Errors
@@ -29,12 +34,12 @@ impl Shaders {
     }
 }
 
-/// A compiled text.
-pub fn module_of(gpu: &GpuDevice, name: &str, text: &str) -> wgpu::ShaderModule {
-    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(name),
-        source: wgpu::ShaderSource::Wgsl(text.into()),
-    })
+/// A compiled text. Loops of texts that are not known to end get a bound, which costs two registers each.
+pub fn module_of(gpu: &GpuDevice, name: &str, text: &str, loops_end: bool) -> wgpu::ShaderModule {
+    let descriptor = wgpu::ShaderModuleDescriptor { label: Some(name), source: wgpu::ShaderSource::Wgsl(text.into()) };
+    let checks = wgpu::ShaderRuntimeChecks { force_loop_bounding: !loops_end, ..Default::default() };
+    // SAFETY: all checks but that of loops stay, and loops without it end.
+    unsafe { gpu.device.create_shader_module_trusted(descriptor, checks) }
 }
 
 /// A kind of binding.

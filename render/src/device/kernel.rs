@@ -51,7 +51,7 @@ impl Kernel {
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
             layout: Some(&layout),
-            module: &module_of(gpu, program.name, &shaders.text(program)?),
+            module: &module_of(gpu, program.name, &shaders.text(program)?, shaders.loops_end()),
             entry_point: None,
             compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             cache: gpu.pipeline_cache(),

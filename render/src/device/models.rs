@@ -122,6 +122,11 @@ impl ModelSet {
         Self { models, written, parts: MaterialPart::ALL.to_vec(), mapped }
     }
 
+    /// Whether users wrote any.
+    pub fn has_written(&self) -> bool {
+        !self.written.is_empty()
+    }
+
     /// In the order of their list.
     pub fn models(&self) -> &[BrdfModel] {
         &self.models

@@ -94,6 +94,7 @@ impl Texts {
             text,
             gpu: gpu.clone(),
             path,
+            loops_end: shaders.loops_end(),
             variants: Mutex::default(),
             #[cfg(test)]
             kept: Mutex::default(),
@@ -110,6 +111,8 @@ pub struct Text {
     text: String,
     gpu: GpuDevice,
     path: GpuPath,
+    /// See [`Shaders::loops_end`].
+    loops_end: bool,
     /// Those in use.
     variants: Mutex<Vec<Weak<Variant>>>,
     /// Tests share a device, and what one has compiled stays for the next.
@@ -171,8 +174,12 @@ impl Text {
         Pass { label, variant }
     }
 
+    fn compiled(&self) -> wgpu::ShaderModule {
+        module_of(&self.gpu, self.entry.program.name, &self.text, self.loops_end)
+    }
+
     fn module(&self) -> &(wgpu::ShaderModule, Option<String>) {
-        self.module.get_or_init(|| told(&self.gpu.device, || module_of(&self.gpu, self.entry.program.name, &self.text)))
+        self.module.get_or_init(|| told(&self.gpu.device, || self.compiled()))
     }
 }
 

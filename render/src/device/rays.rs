@@ -183,7 +183,7 @@ pub(super) fn pipeline(
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(program.name),
         layout: Some(&layout),
-        module: &module_of(gpu, program.name, &Shaders::default().text(program)?),
+        module: &module_of(gpu, program.name, &Shaders::default().text(program)?, true),
         entry_point: None,
         compilation_options: Default::default(),
         cache: gpu.pipeline_cache(),
