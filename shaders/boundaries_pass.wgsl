@@ -27,16 +27,18 @@ struct BoundaryUniforms {
 @group(1) @binding(4) var<storage, read_write> states: array<atomic<u32>>;
 @group(1) @binding(5) var<storage, read_write> open_words: array<u32>;
 
-// A state: the wanted lanes, eight bits; the lanes that a ray found open, eight bits; and these bits.
-const FOUND_OPEN: u32 = 8u;
+// Directions of a group.
+const GROUP: u32 = 8u;
+
+// A state: the wanted lanes of a group; above them those that a ray found open; and these bits.
 const BLOCKED: u32 = 0x10000u;
 const SEEN: u32 = 0x20000u;
 const QUEUED: u32 = 0x40000u;
-const LANES: u32 = 0xffu;
+const WANTED: u32 = 0xffu;
 
-const WIDTH: u32 = 64u;
+const LANES: u32 = 64u;
 // Groups that are traced at a time.
-const AT_A_TIME: u32 = 8u;
+const AT_A_TIME: u32 = LANES / GROUP;
 
 // Length of the queue.
 var<workgroup> queued: atomic<u32>;
@@ -53,8 +55,8 @@ fn all_lanes_meet() {
 
 fn wanted_lanes(group: u32, at: RayOrigin) -> u32 {
     var lanes = 0u;
-    for (var i = 0u; i < 8u; i++) {
-        let place = 8u * group + i;
+    for (var i = 0u; i < GROUP; i++) {
+        let place = GROUP * group + i;
         if place < rays.directions && is_wanted(directions[place].xyz, at) {
             lanes |= 1u << i;
         }
@@ -79,7 +81,7 @@ fn probe(block: u32, first: u32, at: RayOrigin) {
 // Twin of `State::start`.
 fn is_front(group: u32, first: u32) -> bool {
     let state = atomicLoad(&states[first + group]);
-    if (state & LANES) == 0u || (state & BLOCKED) != 0u {
+    if (state & WANTED) == 0u || (state & BLOCKED) != 0u {
         return false;
     }
     if (state & SEEN) == 0u {
@@ -87,7 +89,7 @@ fn is_front(group: u32, first: u32) -> bool {
     }
     for (var i = tables[rays.starts + group]; i < tables[rays.starts + group + 1u]; i++) {
         let other = atomicLoad(&states[first + (tables[i] >> 8u)]);
-        if (other & LANES) != 0u && (other & SEEN) == 0u {
+        if (other & WANTED) != 0u && (other & SEEN) == 0u {
             return true;
         }
     }
@@ -104,14 +106,14 @@ fn enqueue(group: u32, first: u32) {
 // Queues the touching groups of a traced group that are expected to differ; each of its eight lanes takes some. Twin of
 // `State::found`.
 fn follow(group: u32, lane: u32, open: u32, first: u32) {
-    let wanted = atomicLoad(&states[first + group]) & LANES;
-    for (var i = tables[rays.starts + group] + lane; i < tables[rays.starts + group + 1u]; i += 8u) {
+    let wanted = atomicLoad(&states[first + group]) & WANTED;
+    for (var i = tables[rays.starts + group] + lane; i < tables[rays.starts + group + 1u]; i += GROUP) {
         let other = tables[i] >> 8u;
         let lanes = tables[i] & wanted;
         let state = atomicLoad(&states[first + other]);
         let is_darker = (state & SEEN) != 0u && (open & lanes) != lanes;
         let is_lighter = (state & BLOCKED) != 0u && (open & lanes) != 0u;
-        if (is_darker || is_lighter) && (state & LANES) != 0u {
+        if (is_darker || is_lighter) && (state & WANTED) != 0u {
             enqueue(other, first);
         }
     }
@@ -119,8 +121,8 @@ fn follow(group: u32, lane: u32, open: u32, first: u32) {
 
 // Traces one direction of a queued group.
 fn trace_lane(slot: u32, group: u32, lane: u32, first: u32, at: RayOrigin) {
-    let wanted = atomicLoad(&states[first + group]) & LANES;
-    if ((wanted >> lane) & 1u) != 0u && !is_occluded(at.origin, directions[8u * group + lane].xyz) {
+    let wanted = atomicLoad(&states[first + group]) & WANTED;
+    if ((wanted >> lane) & 1u) != 0u && !is_occluded(at.origin, directions[GROUP * group + lane].xyz) {
         atomicOr(&found[slot], 1u << lane);
     }
     if lane == 0u {
@@ -130,9 +132,9 @@ fn trace_lane(slot: u32, group: u32, lane: u32, first: u32, at: RayOrigin) {
 
 // Whether a direction, by its place, is open after all.
 fn is_open(place: u32, first: u32) -> bool {
-    let state = atomicLoad(&states[first + place / 8u]);
-    let open = select(select(0u, state, (state & SEEN) != 0u), state >> FOUND_OPEN, (state & QUEUED) != 0u);
-    return ((open >> (place % 8u)) & 1u) != 0u;
+    let state = atomicLoad(&states[first + place / GROUP]);
+    let open = select(select(0u, state, (state & SEEN) != 0u), state >> GROUP, (state & QUEUED) != 0u);
+    return ((open >> (place % GROUP)) & 1u) != 0u;
 }
 
 // Bits of 32 directions in the caller's order.
@@ -146,25 +148,26 @@ fn word_of(word: u32, first: u32) -> u32 {
     return bits;
 }
 
-@compute @workgroup_size(WIDTH)
+@compute @workgroup_size(LANES)
 fn trace(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let at = origins[id.y];
     let first = 2u * rays.groups * id.y;
-    for (var group = lane; group < rays.groups; group += WIDTH) {
+    for (var group = lane; group < rays.groups; group += LANES) {
         atomicStore(&states[first + group], wanted_lanes(group, at));
     }
     all_lanes_meet();
-    for (var block = lane; block * rays.groups_per_block < rays.groups; block += WIDTH) {
+    for (var block = lane; block * rays.groups_per_block < rays.groups; block += LANES) {
         probe(block, first, at);
     }
     all_lanes_meet();
-    for (var group = lane; group < rays.groups; group += WIDTH) {
+    for (var group = lane; group < rays.groups; group += LANES) {
         if is_front(group, first) {
             enqueue(group, first);
         }
     }
-    let slot = lane / 8u;
+    let slot = lane / GROUP;
     var head = 0u;
+    // It ends, since a group is queued once.
     loop {
         all_lanes_meet();
         if lane == 0u {
@@ -181,20 +184,20 @@ fn trace(@builtin(workgroup_id) id: vec3<u32>, @builtin(local_invocation_index) 
         var group = 0u;
         if is_busy {
             group = atomicLoad(&states[first + rays.groups + head + slot]);
-            trace_lane(slot, group, lane % 8u, first, at);
+            trace_lane(slot, group, lane % GROUP, first, at);
         }
         workgroupBarrier();
         if is_busy {
             let open = atomicLoad(&found[slot]);
-            if lane % 8u == 0u {
-                atomicOr(&states[first + group], open << FOUND_OPEN);
+            if lane % GROUP == 0u {
+                atomicOr(&states[first + group], open << GROUP);
             }
-            follow(group, lane % 8u, open, first);
+            follow(group, lane % GROUP, open, first);
         }
         head = min(head + AT_A_TIME, last);
     }
     let row = (rays.words + 1u) * id.y;
-    for (var word = lane; word < rays.words; word += WIDTH) {
+    for (var word = lane; word < rays.words; word += LANES) {
         open_words[row + word] = word_of(word, first);
     }
     if lane == 0u {

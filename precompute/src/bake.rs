@@ -247,12 +247,14 @@ impl<'a> Begun<'a> {
             _ => None,
         };
         let units = tessellation_units(vertices);
+        // Shares of several machines have the same vertices and the same tree, whatever traces there.
+        let placing = devices.filter(|_| !matches!(work, Work::Share(_)));
         let geometry = clock.time(Phase::Tessellate, units, "points", || {
             let stored = Stored::of(settings.mode).filter(|_| !settings.even_vertices);
-            Geometry::new(scene, stored, settings.max_vertices, &settings.shots, devices, observer)
+            Geometry::new(scene, stored, settings.max_vertices, &settings.shots, placing, observer)
         })?;
         cancelled(observer)?;
-        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, content, resumed, devices, clock)?;
+        let (checkpoint, tree) = checkpoint_and_tree(&geometry, job, work, content, resumed, placing, clock)?;
         Ok(Self { settings, hash, geometry, quads, tree, audit: None, checkpoint, devices, estimated_memory })
     }
 

@@ -105,7 +105,13 @@ impl<'a> ManySampler<'a> {
 
     /// What a device finds from the sides of points in order; `None` if the cores trace.
     fn open_from(&self, points: &[&BakePoint]) -> Option<OpenRays> {
-        self.device.run(|device| device.open(&origins_of(points.iter().copied())))
+        let origins = origins_of(points.iter().copied());
+        let words = origins.len() * self.len().div_ceil(32);
+        self.device.run(|device| {
+            let open = device.open(&origins)?;
+            let is_whole = (open.rows.len(), open.counts.len()) == (words, origins.len());
+            if is_whole { Ok(open) } else { Err("it gave fewer results than asked for".into()) }
+        })
     }
 
     /// The results for points, from what a device found or by the cores.

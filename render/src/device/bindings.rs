@@ -19,7 +19,8 @@ pub struct Shaders {
 }
 
 impl Shaders {
-    /// Whether all loops end. Ours do: they walk cuts, lists and trees of data that were checked, forward. What users write may not.
+    /// Whether all loops end. Ours do: they walk cuts, lists, trees and queues of checked data forward, and look for free places where
+    /// there are some. What users write may not, and drivers may take for unreachable what does not end.
     pub fn loops_end(&self) -> bool {
         matches!(self.source, ShaderSource::Embedded) && !self.models.has_written()
     }
@@ -34,7 +35,7 @@ impl Shaders {
     }
 }
 
-/// A compiled text. Loops of texts that are not known to end get a bound, which costs two registers each.
+/// A compiled text. Loops that are not known to end get a bound, beyond what any takes, which costs two registers each.
 pub fn module_of(gpu: &GpuDevice, name: &str, text: &str, loops_end: bool) -> wgpu::ShaderModule {
     let descriptor = wgpu::ShaderModuleDescriptor { label: Some(name), source: wgpu::ShaderSource::Wgsl(text.into()) };
     let checks = wgpu::ShaderRuntimeChecks { force_loop_bounding: !loops_end, ..Default::default() };

@@ -2,12 +2,13 @@
 
 use super::{
     adapter::{GpuDevice, Room, has_hardware, is_emulated},
-    bindings::Shaders,
-    kernel::Kernel,
+    bindings::{GroupLayout, Shaders},
+    kernel::{Kernel, ray_pipeline},
     kernels::{IMPLICIT_GLOSS, KernelProgram},
     model_kernel::ModelKernel,
     models::ModelSet,
     pass::Texts,
+    shaders::Program,
 };
 use crate::error::BackendError;
 use serde::Serialize;
@@ -32,6 +33,8 @@ pub enum Compute {
 pub struct SharedDevice {
     pub(crate) gpu: Arc<GpuDevice>,
     kernels: Arc<Mutex<Kernels>>,
+    /// By names of programs.
+    rays: Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>,
     gloss: ModelKernel,
     /// Of passes.
     pub(crate) texts: Texts,
@@ -112,7 +115,8 @@ impl SharedDevice {
         Ok(Self {
             gpu: GpuDevice::with_cache(room, folder)?.into(),
             kernels: Arc::default(),
-            gloss: ModelKernel::default(),
+            rays: Arc::default(),
+            gloss: ModelKernel::new(IMPLICIT_GLOSS),
             texts: Texts::default(),
         })
     }
@@ -164,6 +168,10 @@ impl SharedDevice {
         program: &KernelProgram,
         constants: &[(&str, f64)],
     ) -> Result<Arc<Kernel>, BackendError> {
+        // Those of a folder are being edited, and would pile up.
+        if shaders.source.is_edited() {
+            return Ok(Kernel::new(&self.gpu, shaders, program, constants)?.into());
+        }
         let values = constants.iter().map(|(_, value)| value.to_bits());
         let key = (shaders.text(&program.program)?, values.collect());
         let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
@@ -174,8 +182,27 @@ impl SharedDevice {
         kernels.insert(key, made.clone());
         Ok(made)
     }
+
     /// What glossy leaves reflect, for a scene with some models; `None` while another thread compiles it.
     pub(crate) fn gloss_kernel(&self, models: &ModelSet) -> Option<Arc<Kernel>> {
-        self.gloss.get(&self.gpu, IMPLICIT_GLOSS, models)
+        self.gloss.get(&self.gpu, models)
+    }
+
+    /// The pipeline of a program of rays with its work, which is compiled at its first use.
+    ///
+    /// # Errors
+    /// A shader that does not compile, or a lost device.
+    pub(crate) fn ray_pipeline(
+        &self,
+        program: &Program,
+        work: &GroupLayout,
+    ) -> Result<wgpu::ComputePipeline, BackendError> {
+        let mut known = self.rays.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = known.get(program.name) {
+            return Ok(known.clone());
+        }
+        let made = ray_pipeline(&self.gpu, program, work)?;
+        known.insert(program.name, made.clone());
+        Ok(made)
     }
 }

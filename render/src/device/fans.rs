@@ -6,7 +6,7 @@ use super::{
     compute::SharedDevice,
     kernels::{FANS, FanWork},
     layout,
-    rays::{dispatch, hierarchy, pipeline, told},
+    rays::{dispatch, hierarchy, told},
     readback::read_range,
 };
 use crate::error::BackendError;
@@ -55,7 +55,7 @@ impl GpuFans {
         });
         let work = FanWork { uniforms: &uniforms, directions: &toward, fans: &fans, hits: &hits }.bind(gpu);
         Ok(Self {
-            pipeline: pipeline(gpu, &FANS, &FanWork::LAYOUT)?,
+            pipeline: device.ray_pipeline(&FANS, &FanWork::LAYOUT)?,
             hierarchy: hierarchy(gpu, scene)?,
             work,
             fans: Mutex::new(fans),

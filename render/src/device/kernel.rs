@@ -2,10 +2,11 @@
 
 use super::{
     adapter::GpuDevice,
-    bindings::{Shaders, module_of},
+    bindings::{GroupLayout, Shaders, module_of},
     buffers::uniform,
-    kernels::{KernelProgram, Slice},
+    kernels::{Hierarchy, KernelProgram, Slice},
     pace::Pace,
+    shaders::Program,
 };
 use crate::error::BackendError;
 use std::{
@@ -93,4 +94,31 @@ impl Kernel {
         }
         gpu.queue.submit([encoder.finish()]);
     }
+}
+
+/// The pipeline of a program of rays, whose groups are [`Hierarchy`] and its work. It runs in no slices.
+///
+/// # Errors
+/// A shader that does not compile, or a lost device.
+pub fn ray_pipeline(
+    gpu: &GpuDevice,
+    program: &Program,
+    work: &GroupLayout,
+) -> Result<wgpu::ComputePipeline, BackendError> {
+    let groups = [Hierarchy::LAYOUT.on(gpu), work.on(gpu)];
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(program.name),
+        bind_group_layouts: &groups.each_ref().map(Some),
+        immediate_size: 0,
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(program.name),
+        layout: Some(&layout),
+        module: &module_of(gpu, program.name, &Shaders::default().text(program)?, true),
+        entry_point: None,
+        compilation_options: Default::default(),
+        cache: gpu.pipeline_cache(),
+    });
+    gpu.check()?;
+    Ok(pipeline)
 }

@@ -7,8 +7,9 @@ use std::{
 };
 
 /// The kernel for the models of the last scene. Copies share it.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct ModelKernel {
+    program: KernelProgram,
     known: Arc<Mutex<Option<Known>>>,
 }
 
@@ -20,12 +21,17 @@ struct Known {
 }
 
 impl ModelKernel {
-    /// The kernel of `program` for a scene with some models. `None` while it is being compiled, and where it does not compile.
-    pub fn get(&self, gpu: &GpuDevice, program: KernelProgram, models: &ModelSet) -> Option<Arc<Kernel>> {
+    /// Of a program; nothing is compiled yet.
+    pub fn new(program: KernelProgram) -> Self {
+        Self { program, known: Arc::default() }
+    }
+
+    /// The kernel for a scene with some models. `None` while it is being compiled, and where it does not compile.
+    pub fn get(&self, gpu: &GpuDevice, models: &ModelSet) -> Option<Arc<Kernel>> {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if known.as_ref().is_none_or(|known| !known.models.covers(models)) {
             let models = known.as_ref().map_or_else(|| models.clone(), |known| models.joined(&known.models));
-            *known = Some(Known::compile(gpu, program, models));
+            *known = Some(Known::compile(gpu, self.program, models));
         }
         known.as_ref()?.kernel.get()?.clone()
     }

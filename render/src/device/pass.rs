@@ -122,7 +122,7 @@ pub struct Text {
     module: OnceLock<(wgpu::ShaderModule, Option<String>)>,
 }
 
-/// One variant of a pass. It is compiled at its first use, or before by [`compile_soon`]: most pictures use few of the passes.
+/// One variant of a pass. It is compiled at its first use, or before by [`compile_soon`] or [`compile_now`]: most pictures use few of the passes.
 #[derive(Clone)]
 pub struct Pass {
     pub label: &'static str,
@@ -136,6 +136,9 @@ struct Variant {
     built: OnceLock<Built>,
     /// Whether another thread compiles it, or will.
     is_queued: AtomicBool,
+    /// Whether a picture waits for it that was queued for no picture.
+    is_hurried: AtomicBool,
+    is_begun: AtomicBool,
     /// Whether that thread is done with it, be it by a panic.
     was_tried: AtomicBool,
 }
@@ -217,13 +220,27 @@ impl Pass {
     fn take(&self) -> bool {
         !self.is_compiled() && !self.variant.is_queued.swap(true, SeqCst)
     }
+
+    /// The same, though it may wait at the end of a queue.
+    fn take_now(&self) -> bool {
+        let (is_new, was_hurried) = (self.take(), self.variant.is_hurried.swap(true, SeqCst));
+        is_new || !(was_hurried || self.variant.is_begun.load(SeqCst))
+    }
 }
 
-/// Compiles passes on other threads, as many at once as there are cores, the first ones first. Those that nobody uses any more are left
-/// out.
+/// Compiles passes on other threads. Those that nobody uses any more are left out.
 pub fn compile_soon(passes: impl IntoIterator<Item = Pass>) {
-    let missing: Vec<Weak<Variant>> =
-        passes.into_iter().filter(Pass::take).map(|pass| Arc::downgrade(&pass.variant)).collect();
+    compile(passes.into_iter().filter(Pass::take));
+}
+
+/// The same for passes that a picture waits for: they do not wait for others.
+pub fn compile_now(passes: impl IntoIterator<Item = Pass>) {
+    compile(passes.into_iter().filter(Pass::take_now));
+}
+
+/// As many at once as there are cores, the first ones first.
+fn compile(passes: impl Iterator<Item = Pass>) {
+    let missing: Vec<Weak<Variant>> = passes.map(|pass| Arc::downgrade(&pass.variant)).collect();
     let threads = thread::available_parallelism().map_or(1, usize::from).min(missing.len());
     let queue = Arc::new(Mutex::new(missing.into_iter()));
     let spawns = || {
@@ -258,8 +275,8 @@ fn next(queue: &Mutex<std::vec::IntoIter<Weak<Variant>>>) -> Option<Arc<Variant>
 
 impl Variant {
     fn new(text: Arc<Text>, values: &[f64]) -> Self {
-        let [is_queued, was_tried] = [(); 2].map(|()| AtomicBool::new(false));
-        Self { text, values: values.to_vec(), built: OnceLock::new(), is_queued, was_tried }
+        let [is_queued, is_hurried, is_begun, was_tried] = [(); 4].map(|()| AtomicBool::new(false));
+        Self { text, values: values.to_vec(), built: OnceLock::new(), is_queued, is_hurried, is_begun, was_tried }
     }
 
     fn built(&self) -> &Built {
@@ -268,6 +285,7 @@ impl Variant {
 
     fn build(&self) -> Built {
         let start = Instant::now();
+        self.is_begun.store(true, SeqCst);
         let of_module = self.text.module().1.clone();
         let (pipeline, error) = told(&self.text.gpu.device, || self.pipeline());
         Built { pipeline, time: start.elapsed(), error: of_module.or(error) }

@@ -4,7 +4,6 @@
 
 use super::{
     adapter::GpuDevice,
-    bindings::{GroupLayout, Shaders, module_of},
     boundaries,
     buffers::{storage, uniform, written},
     compute::{Compute, SharedDevice},
@@ -12,7 +11,6 @@ use super::{
     kernels::{BOUNDARIES, BoundaryWork, Hierarchy, RAYS, RayWork},
     layout,
     readback::read_words,
-    shaders::Program,
 };
 use crate::{error::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
@@ -27,8 +25,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// are traced.
 const DIRECTIONS_AT_A_TIME: usize = 1 << 21;
 
-/// The same along boundaries, where one of six to ten is traced. Origins take 36 MB with their states.
-const ALONG_BOUNDARIES_AT_A_TIME: usize = 1 << 25;
+/// The same along boundaries, where one of six to ten is traced.
+const ALONG_BOUNDARIES_AT_A_TIME: usize = 1 << 23;
 
 /// Most workgroups along a dimension, by WebGPU's default limits.
 const MOST_WORKGROUPS: usize = 65_535;
@@ -44,8 +42,6 @@ pub struct GpuRays {
     /// Whether a scene that it does not take is an error for the caller, or left to the cores.
     is_asked_for: bool,
     device: SharedDevice,
-    all: wgpu::ComputePipeline,
-    along: wgpu::ComputePipeline,
 }
 
 impl GpuRays {
@@ -54,9 +50,8 @@ impl GpuRays {
     /// # Errors
     /// A driver that refuses.
     pub fn on(device: &SharedDevice, is_asked_for: bool) -> Result<Self, BackendError> {
-        let all = pipeline(&device.gpu, &RAYS, &RayWork::LAYOUT)?;
-        let along = pipeline(&device.gpu, &BOUNDARIES, &BoundaryWork::LAYOUT)?;
-        Ok(Self { is_asked_for, device: device.clone(), all, along })
+        device.ray_pipeline(&RAYS, &RayWork::LAYOUT)?;
+        Ok(Self { is_asked_for, device: device.clone() })
     }
 
     /// The fastest adapter that is more than an emulation on the processor, if there is one that works. Scenes that it does not
@@ -72,12 +67,12 @@ impl GpuRays {
         let work = match directions {
             RayDirections::All(directions) => self.all(directions),
             RayDirections::Along(set) => self.along(set),
-        };
+        }?;
         gpu.check()?;
         Ok(GpuRayScene { gpu, hierarchy, work })
     }
 
-    fn all(&self, directions: &[Vec3]) -> RayProgram {
+    fn all(&self, directions: &[Vec3]) -> Result<RayProgram, BackendError> {
         let gpu = &self.device.gpu;
         let words = directions.len().div_ceil(32);
         let results = RowsOfOrigins::new(gpu, words, origins_at_a_time(gpu, DIRECTIONS_AT_A_TIME, directions.len(), 0));
@@ -87,10 +82,11 @@ impl GpuRays {
         let toward = storage(gpu, "directions of rays", bytemuck::cast_slice(&toward));
         let RowsOfOrigins { origins, open, .. } = &results;
         let work = RayWork { rays: &uniforms, directions: &toward, origins, open_words: open }.bind(gpu);
-        RayProgram { pipeline: self.all.clone(), work, results, all: Some(directions.to_vec()) }
+        let pipeline = self.device.ray_pipeline(&RAYS, &RayWork::LAYOUT)?;
+        Ok(RayProgram { pipeline, work, results, all: Some(directions.to_vec()) })
     }
 
-    fn along(&self, set: &BoundarySet) -> RayProgram {
+    fn along(&self, set: &BoundarySet) -> Result<RayProgram, BackendError> {
         let gpu = &self.device.gpu;
         let tables = set.tables();
         let bytes = boundaries::bytes_of_states(&tables);
@@ -98,7 +94,8 @@ impl GpuRays {
         // The number of rays follows the bits.
         let results = RowsOfOrigins::new(gpu, set.len().div_ceil(32) + 1, at_a_time);
         let work = boundaries::bind(gpu, &tables, &results);
-        RayProgram { pipeline: self.along.clone(), work, results, all: None }
+        let pipeline = self.device.ray_pipeline(&BOUNDARIES, &BoundaryWork::LAYOUT)?;
+        Ok(RayProgram { pipeline, work, results, all: None })
     }
 
     /// What was made, or nothing if the cores shall trace instead.
@@ -166,30 +163,6 @@ impl BoxHierarchy {
         let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
         Ok(Self { nodes, corners })
     }
-}
-
-/// The pipeline of a program whose groups are [`Hierarchy`] and its work.
-pub(super) fn pipeline(
-    gpu: &GpuDevice,
-    program: &Program,
-    work: &GroupLayout,
-) -> Result<wgpu::ComputePipeline, BackendError> {
-    let groups = [Hierarchy::LAYOUT.on(gpu), work.on(gpu)];
-    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(program.name),
-        bind_group_layouts: &groups.each_ref().map(Some),
-        immediate_size: 0,
-    });
-    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(program.name),
-        layout: Some(&layout),
-        module: &module_of(gpu, program.name, &Shaders::default().text(program)?, true),
-        entry_point: None,
-        compilation_options: Default::default(),
-        cache: gpu.pipeline_cache(),
-    });
-    gpu.check()?;
-    Ok(pipeline)
 }
 
 /// Origins of one piece of work, and a row of results for each.

@@ -158,6 +158,11 @@ pub enum ShaderSource {
 }
 
 impl ShaderSource {
+    /// Whether they are being edited.
+    pub fn is_edited(&self) -> bool {
+        matches!(self, Self::Folder(_))
+    }
+
     /// The whole text of a program for scenes with some models.
     ///
     /// # Errors

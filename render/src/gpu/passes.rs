@@ -10,7 +10,7 @@ use super::{
 use crate::{
     device::{
         Shaders, SharedDevice,
-        pass::{Entry, GpuPath, Pass, Text, compile_soon},
+        pass::{Entry, GpuPath, Pass, Text, compile_now},
     },
     error::BackendError,
     shade::mirrors::DEEPEST,
@@ -128,7 +128,7 @@ impl Passes {
     /// # Errors
     /// A shader that does not compile, with the compiler's message.
     pub fn compile(&self) -> Result<(), BackendError> {
-        compile_soon(self.all().cloned());
+        compile_now(self.all().cloned());
         check(self.all())
     }
 
@@ -154,8 +154,11 @@ impl Passes {
         self.all().filter_map(|pass| Some((pass.label, pass.compile_time()?))).collect()
     }
 
-    /// Takes the variants of the merge that others have in use.
-    pub fn take_variants(&mut self, of: &Self) {
+    /// Takes the variants of the merge that others have in use, if they are of the same text or are to be compiled anew at once.
+    pub fn take_variants(&mut self, of: &Self, compiles_all: bool) {
+        if !compiles_all && !Arc::ptr_eq(&self.merge, &of.merge) {
+            return;
+        }
         of.merges.keys().for_each(|&variant| drop(self.merge(variant)));
     }
 

@@ -117,6 +117,8 @@ struct Asked {
     has_glossy_bounces: bool,
     /// Position of the eye in meters.
     eye: Vec3,
+    /// Whether adapters tell what glossy leaves reflect. Both poses are lit by the same, so that light that is equal has equal bits.
+    gloss_there: bool,
 }
 
 impl Seen {
@@ -142,11 +144,18 @@ impl Seen {
         if !gloss.is_empty() && (sky.shines() || sent.is_some()) {
             let (mesh, surfels, eye) = (points.mesh(), points.points(), asked.eye);
             let sky = &|direction| sky.radiance(direction);
-            let reflected =
-                self.sight.reflected(gloss, &SeenLeaves { forest, mesh, surfels, eye, sent: sent.as_deref(), sky });
+            let seen = SeenLeaves { forest, mesh, surfels, eye, sent: sent.as_deref(), sky };
+            let there = asked.gloss_there.then(|| self.sight.reflected(gloss, &seen)).flatten();
+            let by_cores = || gloss.reflected(&seen, &self.sight.views(forest, gloss.span()));
+            let reflected = there.unwrap_or_else(by_cores);
             gloss.toward_eye(&reflected, Received { from_sky: &mut of_sky, from_leaves: &mut others });
         }
         [of_sky, others].map(|leaves| self.at_vertices(vertices, &leaves, gloss))
+    }
+
+    /// Whether an adapter tells what the glossy leaves reflect.
+    fn takes_gloss(&mut self, gloss: &Gloss) -> bool {
+        self.sight.takes_gloss(gloss, self.points.mesh(), self.points.points())
     }
 
     /// Values of the leaves at the vertices. Beside gloss they count by what they reflect, since a dark leaf may reflect much more than
@@ -266,16 +275,33 @@ impl PoseRig {
         &self.has_new_cut
     }
 
+    /// Whether adapters tell what the glossy leaves of both poses reflect.
+    pub(crate) fn takes_gloss(&mut self) -> bool {
+        let Self { gloss, posed, as_baked, .. } = self;
+        !gloss.is_empty() && [posed, as_baked].into_iter().all(|seen| seen.takes_gloss(gloss))
+    }
+
+    /// Light of the vertices in the pose; that as baked is known from then on.
+    fn lit(&mut self, asked: Asked) -> [Sides; 2] {
+        let Self { sky, vertices, gloss, posed, as_baked, lit_as_baked, .. } = self;
+        let lit = |seen: &mut Seen| seen.lit(sky, asked, vertices, gloss);
+        if lit_as_baked.as_ref().is_none_or(|(known, _)| *known != asked) {
+            *lit_as_baked = Some((asked, lit(as_baked)));
+        }
+        lit(posed)
+    }
+
     /// Light of the posed scene. It has `bounces` bounces, or fewer if the detail follows fewer. Glossy surfaces reflect them as such
     /// if they do so as baked.
     pub fn light(&mut self, bounces: u32, has_glossy_bounces: bool) -> PosedLight {
         let bounces = bounces.min(self.detail.bounces());
-        let Self { sky, vertices, gloss, eye, posed, as_baked, lit_as_baked, .. } = self;
-        let asked = Asked { bounces, has_glossy_bounces, eye: *eye };
-        let lit = |seen: &mut Seen| seen.lit(sky, asked, vertices, gloss);
-        let [posed_sky, posed_bounce] = lit(posed);
-        let known = lit_as_baked.take().filter(|(known, _)| *known == asked);
-        let (_, [baked_sky, baked_bounce]) = lit_as_baked.insert(known.unwrap_or_else(|| (asked, lit(as_baked))));
+        let asked = Asked { bounces, has_glossy_bounces, eye: self.eye, gloss_there: self.takes_gloss() };
+        let mut posed = self.lit(asked);
+        if asked.gloss_there && !self.takes_gloss() {
+            posed = self.lit(Asked { gloss_there: false, ..asked });
+        }
+        let [posed_sky, posed_bounce] = posed;
+        let (_, [baked_sky, baked_bounce]) = self.lit_as_baked.as_ref().expect("it was lit beside the pose");
         let (is_moved, has_new_cut) = (&self.is_moved, &self.has_new_cut);
         let growth = |vertex: usize, now: Vec3, before: Vec3| {
             if has_new_cut[vertex] { Vec3::ZERO } else { ratio(now, before) - 1.0 }

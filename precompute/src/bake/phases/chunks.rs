@@ -138,14 +138,16 @@ pub fn bake_chunks<'a, M: CutMaker>(
 /// The cuts of some points.
 pub fn bake_chunk<M: CutMaker>(maker: &M, range: Range<usize>, observer: &dyn Observer) -> Result<Chunk, BakeError> {
     let mut chunk = Chunk::default();
-    let points_per_step = maker.points_per_step();
-    for start in range.clone().step_by(points_per_step) {
+    let mut start = range.start;
+    while start < range.end {
         cancelled(observer)?;
-        let step = start..range.end.min(start + points_per_step);
+        // Asked each time: a device may fail, and the cores then take smaller steps.
+        let step = start..range.end.min(start + maker.points_per_step());
         for (cut, squared_error, rays) in maker.make(step.clone())? {
             chunk.push(&cut, squared_error, rays);
         }
-        observer.event(Event::Advanced { done: (start + step.len()) as u64 });
+        start = step.end;
+        observer.event(Event::Advanced { done: start as u64 });
     }
     Ok(chunk)
 }

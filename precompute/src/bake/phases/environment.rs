@@ -9,11 +9,12 @@ use super::{
 use crate::{
     bake::{checkpoint::Kept, clock::Clock, settings::ResolvedBake},
     errors::BakeError,
-    observer::Phase,
+    observer::{Event, Phase},
     vertices::{
         tracing::{ManySampler, Tracing},
         visibility::EXHAUSTIVE,
     },
+    warning::Warning,
 };
 use lapidary_core::{dataset::BakeAudit, light_tree::LightTree, ray::RayDevices};
 
@@ -62,6 +63,9 @@ pub fn bake_environment<'a>(
             criterion: settings.criterion,
         };
         let cuts = bake_chunks(&maker, kept, observer)?;
+        if kept.has_met_others() {
+            observer.event(Event::Warning { message: Warning::OtherCheckpoint });
+        }
         Ok(EnvironmentVisibility { cuts, audit, on_device: maker.sampler.is_on_device() })
     })
 }

@@ -406,9 +406,37 @@ fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<Vec<u16>
         };
         let height = scene.dataset.tree.height();
         let cuts = (0..cuts.len() as u32).map(|vertex| cuts.cut(height, vertex).to_vec());
-        (cuts.collect(), rig.light(2, true))
+        let light = rig.light(2, true);
+        assert_eq!(rig.takes_gloss(), matches!(compute, Compute::Device(_)), "gloss is there where visibility is");
+        (cuts.collect(), light)
     };
     poses.iter().map(show).collect()
+}
+
+#[test]
+fn a_kernel_that_comes_later_does_not_mix_its_light_with_that_of_the_cores() {
+    // A device of its own, which has compiled nothing.
+    let Some((_one_at_a_time, device)) = on_adapter(|| SharedDevice::new(Room::Defaults)) else { return };
+    let mut dataset = blocked(glossy(0.5), 8);
+    dataset.scene.materials[0].model = BrdfModel::Ggx;
+    let baked = Baked::from(dataset);
+    let compute = Compute::Device(device.clone());
+    let mut rig = Edited::new(&baked, PoseRig::new(&baked, &compute, ImplicitDetail::OF_A_DRAG));
+    rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
+    rig.situation.eye = Vec3::new(0.0, 1.5, 3.5);
+    let growth_at = |rig: &mut Edited<PoseRig>, poses: &Poses| {
+        rig.set_poses(&baked, poses);
+        rig.light(2, true).growth
+    };
+    let moved = posed(Pose { translate: Vec3::X * 0.2, ..Pose::AS_BAKED });
+    let by_cores = growth_at(&mut rig, &moved);
+    compiled(&device, &ModelSet::of(&Appearance::of(&baked.dataset.scene)).without_maps());
+    let none = growth_at(&mut rig, &Poses::default());
+    assert!(rig.takes_gloss());
+    assert!([&none.front, &none.back].into_iter().flatten().all(|growth| *growth == Vec3::ZERO), "as it was baked");
+    let by_adapter = growth_at(&mut rig, &moved);
+    assert!(by_cores.front.iter().any(|growth| *growth != Vec3::ZERO), "negative control: it moved");
+    assert!(by_adapter != by_cores, "negative control: their last digits differ");
 }
 
 #[test]

@@ -183,7 +183,7 @@ impl Backend for GpuBackend {
     fn is_ready(&mut self) -> Result<bool, BackendError> {
         let Self { pipelines, progress, .. } = self;
         let Some(picture) = &progress.picture else { return Ok(true) };
-        pipelines.compile_soon(&picture.needed);
+        pipelines.compile_soon();
         let needed = || picture.needed.iter().chain(pipelines.passes.of_sketches());
         if needed().all(Pass::is_compiled) { check(needed()).map(|()| true) } else { Ok(false) }
     }

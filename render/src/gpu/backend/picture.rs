@@ -4,7 +4,7 @@ use super::{GpuBackend, groups::Groups};
 use crate::{
     device::{
         layout,
-        pass::{Pass, compile_soon},
+        pass::{Pass, compile_now},
     },
     error::BackendError,
     gpu::passes::{PartPass, check},
@@ -112,7 +112,7 @@ impl GpuBackend {
         }
         let (passes, mirrored) = shown.passes(pipelines, (view, sampling), (&groups, progress.targets()))?;
         let needed = pipelines.passes.of_picture([&passes, &mirrored[0], &mirrored[1]]);
-        compile_soon(needed.iter().cloned());
+        compile_now(needed.iter().cloned());
         // As on the CPU and in the legend, whether the environment is shown or not.
         let illum_cut = shown.environment.light.as_ref().map_or(0, |(light, _)| light.tree.max_nodes);
         Ok(Picture {

@@ -3,7 +3,7 @@
 use crate::{
     device::{
         GpuDevice, ModelSet, ShaderSource, Shaders, SharedDevice, is_emulated, layout,
-        pass::{self, GpuPath, Pass},
+        pass::{self, GpuPath},
     },
     error::BackendError,
     gpu::passes::Passes,
@@ -47,7 +47,7 @@ impl Pipelines {
     pub fn new(device: SharedDevice, source: &ShaderSource, path: GpuPath) -> Result<Self, BackendError> {
         let shaders = Shaders { source: source.clone(), ..Default::default() };
         let passes = Passes::new(&device, &shaders, path)?;
-        if is_edited(source) {
+        if source.is_edited() {
             passes.compile()?;
         }
         Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders, path })
@@ -82,18 +82,18 @@ impl Pipelines {
     /// Passes from other shaders or for another path, in the same variants.
     fn with(&self, shaders: &Shaders, path: GpuPath) -> Result<Passes, BackendError> {
         let mut passes = Passes::new(&self.device, shaders, path)?;
-        passes.take_variants(&self.passes);
-        if is_edited(&shaders.source) {
+        passes.take_variants(&self.passes, shaders.source.is_edited());
+        if shaders.source.is_edited() {
             passes.compile()?;
         }
         Ok(passes)
     }
 
-    /// Compiles on other threads what a picture in a window needs, then what sketches do, and then all others, so that no first lamp or
-    /// orbit waits. An emulated adapter has better use for the cores.
-    pub fn compile_soon(&self, needed: &[Pass]) {
+    /// Compiles on other threads what sketches need, and then all others, so that no first lamp or orbit waits. An emulated adapter has
+    /// better use for the cores.
+    pub fn compile_soon(&self) {
         let others = self.passes.all().filter(|_| !is_emulated(&self.gpu().info));
-        pass::compile_soon(needed.iter().chain(self.passes.of_sketches()).chain(others).cloned());
+        pass::compile_soon(self.passes.of_sketches().chain(others).cloned());
     }
 
     /// Does some work, and waits for it.
@@ -116,10 +116,6 @@ impl Pipelines {
         let bytes = u64::from(size[0].next_multiple_of(256)) * u64::from(size[1]) * 16;
         gpu.within("the pixels of the picture", "bytes", bytes, gpu.limits.max_buffer_size, Remedy::SmallerPicture)
     }
-}
-
-fn is_edited(source: &ShaderSource) -> bool {
-    matches!(source, ShaderSource::Folder(_))
 }
 
 impl Uniforms {

@@ -13,7 +13,11 @@ use crate::{
     error::BackendError,
 };
 use glam::Vec3;
-use lapidary_core::implicit::{BinLayout, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest};
+use lapidary_core::{
+    implicit::{BinLayout, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest},
+    scene::Mesh,
+    surfel::Surfel,
+};
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
 /// Leaf visibility, computed by an adapter.
@@ -24,8 +28,8 @@ pub struct GpuSight {
     /// What stays of cuts; `None` before the first.
     tables: Option<CutTables>,
     device: SharedDevice,
-    /// Materials of glossy leaves.
-    gloss: Option<(Gloss, GlossTable)>,
+    /// Glossy leaves, and their materials if the adapter takes them.
+    gloss: Option<(Gloss, Option<GlossTable>)>,
     layout: BinLayout,
 }
 
@@ -46,6 +50,14 @@ impl GpuSight {
         })
     }
 
+    /// The materials of glossy leaves on the adapter, `None` in place of those that it does not take; `None` while it compiles.
+    fn table_of(&self, gloss: &Gloss, mesh: &Mesh, surfels: &[Surfel]) -> Option<Option<GlossTable>> {
+        let (Some(gpu), Some(models)) = (&self.gpu, gloss.models()) else { return Some(None) };
+        let kernel = self.device.gloss_kernel(&models)?;
+        let (leaves, values) = gloss.packed(mesh, surfels);
+        Some(gpu.gloss_table(kernel, leaves, &values))
+    }
+
     /// Result from the adapter; `None` from its first failure on. The cores then recompute the adapter's last result.
     fn on_gpu<T>(
         &mut self,
@@ -58,22 +70,6 @@ impl GpuSight {
             self.cores.see(forest, &BTreeSet::new());
         }
         found
-    }
-}
-
-impl GpuSight {
-    /// What glossy leaves reflect, by the adapter; `None` while it compiles, and if it does not take their BRDFs.
-    fn reflected_there(&mut self, gloss: &Gloss, seen: &SeenLeaves) -> Option<Vec<Option<ReflectedLight>>> {
-        if !self.gloss.as_ref().is_some_and(|(known, _)| known.is_same(gloss)) {
-            let kernel = self.device.gloss_kernel(&gloss.models()?)?;
-            let (leaves, values) = gloss.packed(seen.mesh, seen.surfels);
-            self.gloss = Some((gloss.clone(), self.gpu.as_ref()?.gloss_table(kernel, leaves, &values)?));
-        }
-        let (known, table) = self.gloss.take()?;
-        let asked = GlossRequest { frames: &gloss.frames(seen), eye: seen.eye, sent: seen.sent, sky: seen.sky };
-        let reflected = self.on_gpu(seen.forest, |gpu| gpu.gloss(&table, &asked));
-        self.gloss = Some((known, table));
-        reflected
     }
 }
 
@@ -121,9 +117,21 @@ impl LeafSight for GpuSight {
         cuts.flatten()
     }
 
-    fn reflected(&mut self, gloss: &Gloss, seen: &SeenLeaves) -> Vec<Option<ReflectedLight>> {
-        let there = self.reflected_there(gloss, seen);
-        there.unwrap_or_else(|| gloss.reflected(seen, &self.views(seen.forest, gloss.span())))
+    fn takes_gloss(&mut self, gloss: &Gloss, mesh: &Mesh, surfels: &[Surfel]) -> bool {
+        let is_known = |(known, _): &(Gloss, Option<GlossTable>)| known.is_same(gloss);
+        if !self.gloss.as_ref().is_some_and(is_known) {
+            self.gloss = self.table_of(gloss, mesh, surfels).map(|table| (gloss.clone(), table));
+        }
+        self.gpu.is_some() && self.gloss.as_ref().is_some_and(|(_, table)| table.is_some())
+    }
+
+    fn reflected(&mut self, gloss: &Gloss, seen: &SeenLeaves) -> Option<Vec<Option<ReflectedLight>>> {
+        let (known, table) = self.gloss.take()?;
+        let asked = GlossRequest { frames: &gloss.frames(seen), eye: seen.eye, sent: seen.sent, sky: seen.sky };
+        let reflected =
+            self.on_gpu(seen.forest, |gpu| table.as_ref().map(|table| gpu.gloss(table, &asked)).transpose());
+        self.gloss = Some((known, table));
+        reflected.flatten()
     }
 
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight {

@@ -8,8 +8,10 @@ use super::{
 };
 use crate::device::{Compute, DeviceCuts, ReflectedLight, SeenLight};
 use glam::Vec3;
-use lapidary_core::implicit::{
-    BinLayout, Bins, Drag, LeafLight, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest,
+use lapidary_core::{
+    implicit::{BinLayout, Bins, Drag, LeafLight, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest},
+    scene::Mesh,
+    surfel::Surfel,
 };
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
@@ -27,9 +29,15 @@ pub trait LeafSight: Send {
         None
     }
 
-    /// What glossy leaves reflect toward the eye; `None` for those that face away. Their forest must not have changed since the last look.
-    fn reflected(&mut self, gloss: &Gloss, seen: &SeenLeaves) -> Vec<Option<ReflectedLight>> {
-        gloss.reflected(seen, &self.views(seen.forest, gloss.span()))
+    /// Whether [`Self::reflected`] tells what glossy leaves on a mesh reflect. If not, the cores do, from views.
+    fn takes_gloss(&mut self, _: &Gloss, _: &Mesh, _: &[Surfel]) -> bool {
+        false
+    }
+
+    /// What glossy leaves that it took reflect toward the eye; `None` for those that face away, and instead of all after a failure. The
+    /// forest must not have changed since the last look.
+    fn reflected(&mut self, _: &Gloss, _: &SeenLeaves) -> Option<Vec<Option<ReflectedLight>>> {
+        None
     }
 
     /// Light of the leaves with `bounces` bounces. The forest must not have changed since the last look.

@@ -136,7 +136,7 @@ pub struct BakeArgs {
         allow_hyphen_values = true
     )]
     pub shots: Vec<ShotOption>,
-    /// Device that traces rays of the environment and of tessellation: cpu; gpu; or auto, a graphics card that can hold the scene,
+    /// Device that traces rays of tessellation, light tree and environment: cpu; gpu; or auto, a graphics card that can hold the scene,
     /// else cpu. Results differ only for rays along edges, and for vertices that such rays ask for; shards use cpu unless gpu is
     /// given
     #[arg(long, value_enum, default_value_t)]
