@@ -26,8 +26,8 @@ impl SourcesWarning {
     pub(super) fn text(&self, name: Naming) -> String {
         match self {
             Self::Other => {
-                "the surface sources or the vertices differ from those of the interrupted bake, because cameras, lights, objects \
-                 or the device have changed; the finished part of their cuts is baked again"
+                "the surface sources differ from those of the interrupted bake, or the vertices do, because cameras, lights, \
+                 objects or the device have changed; the finished part of their cuts is baked again"
                     .into()
             }
             Self::UnevenAreas { points } => format!(
