@@ -321,7 +321,7 @@ fn without_rays(error: &BackendError) -> String {
 
 impl GpuBackend {
     /// Uniforms of a sample, for every `stride`th pixel of every `stride`th row.
-    fn write_frame(&self, sample: u32, stride: u32) {
+    pub(super) fn write_frame(&self, sample: u32, stride: u32) {
         let picture = self.progress.picture();
         let frame = self.shown.frame(picture, sample, stride);
         let Pipelines { device, uniforms, .. } = &self.pipelines;

@@ -32,10 +32,10 @@ impl GpuBackend {
     /// # Panics
     /// Before [`crate::Backend::begin`].
     pub fn timed_sample(&mut self, sample: u32, post: &Post) -> Result<PassTimes, BackendError> {
-        let Self { pipelines, shown, progress } = self;
+        self.write_frame(sample, 1);
+        let Self { pipelines, progress, .. } = self;
         let (gpu, passes, uniforms) = (pipelines.gpu(), &pipelines.passes, &pipelines.uniforms);
         let (picture, whole) = (progress.picture(), Region::whole(progress.picture().view.size));
-        gpu.queue.write_buffer(&uniforms.frame, 0, bytemuck::bytes_of(&shown.frame(picture, sample, 1)));
         gpu.queue.write_buffer(&uniforms.display, 0, bytemuck::bytes_of(&picture.display(post)));
         progress.leave_sketch(sample);
         gpu.wait()?;

@@ -2,7 +2,7 @@
 
 use super::twin::{another, backend};
 use crate::{
-    Appearance, Backend, Background, Baked, Components, CpuBackend, LitScene, Look, Solution, View,
+    Appearance, Backend, Background, Baked, Components, CpuBackend, LitScene, Look, Post, Solution, View,
     device::test_adapter::shared_device,
     gpu::{GpuBackend, GpuPath, ShaderSource},
     lit_scene::edits,
@@ -53,6 +53,25 @@ fn mirrors_on_the_gpu_show_what_they_show_on_the_cpu() {
         let dark = rel_rmse(&shown(another(), &baked, &dark), &cpu);
         assert!(dark > 3.0 * most, "negative control: without the lamp on the plate, {dark}");
     }
+}
+
+#[test]
+fn a_sample_whose_passes_are_timed_shows_the_same() {
+    let Some(_one) = backend() else { return };
+    let baked = Baked::from(mirror_under_plate(0.0025));
+    let base = base(&baked);
+    let look = Look { view: View { aa: 1, ..base.view.clone() }, ..base };
+    let timed = |look: &Look| {
+        let mut scene = LitScene::new(Box::new(another()), baked.clone()).unwrap();
+        scene.light(look).unwrap();
+        scene.begin(&look.view, look.sampling).unwrap();
+        scene.backend().timed_sample(0, &Post::default()).unwrap();
+        scene.backend().read(1).unwrap().0
+    };
+    let expected = shown(another(), &baked, &look);
+    assert!(timed(&look) == expected);
+    let map = Look { view: View { mirrors: false, ..look.view.clone() }, ..look };
+    assert!(timed(&map) != expected, "negative control: the map alone");
 }
 
 /// The shaders with one of them changed.
