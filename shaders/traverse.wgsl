@@ -152,12 +152,18 @@ fn nearer_hit(known: FirstHit, triangle: u32, origin: vec3<f32>, direction: vec3
 }
 
 fn first_hit(origin: vec3<f32>, direction: vec3<f32>) -> FirstHit {
+    return hit_before(NO_HIT.distance, false, origin, direction);
+}
+
+// The first hit of a ray before some distance, or any.
+fn hit_before(reach: f32, any: bool, origin: vec3<f32>, direction: vec3<f32>) -> FirstHit {
     let inverse = inverse_of(direction);
     var hit = NO_HIT;
+    hit.distance = reach;
     var waiting: array<u32, MOST_LEVELS>;
     waiting[0] = 0u;
     var count = 1u;
-    while count > 0u {
+    while count > 0u && !(any && hit.triangle != 0u) {
         count--;
         let node = waiting[count];
         if !enters_before(node, origin, inverse, hit.distance) {

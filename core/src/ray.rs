@@ -41,7 +41,11 @@ use leaves::LeafBlocks;
 use obvhs::{bvh2::Bvh2, ray::Ray, triangle::Triangle};
 pub use posable::Posable;
 use rayon::prelude::*;
-use std::{collections::HashSet, panic::resume_unwind};
+use std::{
+    collections::HashSet,
+    panic::resume_unwind,
+    sync::atomic::{AtomicU64, Ordering},
+};
 use triangle::TriangleFrom;
 use veils::{Veils, any_threshold};
 
@@ -69,6 +73,7 @@ pub struct Hit {
 /// Surfaces that let light through are kept apart. Occlusion tests ignore them; `transmittance` gives the light they
 /// pass. First hits stop at them by chance in proportion to their opacity, or by a threshold.
 pub struct Intersector {
+    number: HierarchyNumber,
     bvh: Bvh2,
     /// Corners in the order of the leaves of `bvh`.
     leaf_triangles: Vec<[Vec3; 3]>,
@@ -77,6 +82,17 @@ pub struct Intersector {
     /// The leaf triangles, eight at a time.
     blocks: LeafBlocks,
     veils: Option<Box<Veils>>,
+}
+
+/// Tells a hierarchy from all others of a run, also after it is gone: devices know by it what they hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HierarchyNumber(u64);
+
+impl HierarchyNumber {
+    fn next() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
 }
 
 /// Builds a hierarchy over triangles.
@@ -145,7 +161,7 @@ impl Intersector {
         let leaf_ids: Vec<u32> = bvh.primitive_indices.par_iter().map(|&i| distinct[i as usize]).collect();
         let leaf_triangles: Vec<[Vec3; 3]> = leaf_ids.par_iter().map(|&t| mesh.corners(t as usize)).collect();
         let blocks = LeafBlocks::new(&bvh, &leaf_triangles);
-        Self { bvh, leaf_triangles, leaf_ids, blocks, veils: None }
+        Self { number: HierarchyNumber::next(), bvh, leaf_triangles, leaf_ids, blocks, veils: None }
     }
 
     /// The first triangle along a ray, if any. The origin must lie off the surface that the ray starts from.

@@ -4,6 +4,7 @@
 mod adapter;
 mod bindings;
 mod boundaries;
+mod box_hierarchy;
 mod buffers;
 mod cache;
 mod compute;
@@ -21,6 +22,7 @@ mod radiosity;
 mod rays;
 pub(crate) mod readback;
 pub(crate) mod shaders;
+mod shadow_rays;
 mod tables;
 #[cfg(test)]
 pub(crate) mod test_adapter;
@@ -29,6 +31,7 @@ mod written;
 pub(crate) use adapter::{GpuDevice, is_emulated};
 pub use adapter::{Room, has_hardware};
 pub(crate) use bindings::{Binding, Bound, GroupLayout, Shaders, bind_groups, bound};
+pub(crate) use box_hierarchy::BoxHierarchy;
 pub(crate) use buffers::{storage, uniform};
 pub use compute::{AdapterFacts, Compute, SharedDevice};
 pub(crate) use fans::GpuFans;
@@ -37,7 +40,7 @@ pub use implicit::{DeviceCuts, ForestTimes, GpuForest, GpuImplicit, ReflectedLig
 pub(crate) use kernel::Kernel;
 pub(crate) use models::ModelSet;
 pub(crate) use radiosity::GpuRadiosity;
-pub(crate) use rays::BoxHierarchy;
 pub use rays::GpuRays;
 pub use shaders::ShaderSource;
+pub(crate) use shadow_rays::{GpuShadowRays, ShadowRay};
 pub(crate) use tables::tables;

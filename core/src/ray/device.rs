@@ -1,6 +1,6 @@
 //! Rays traced on other devices than this machine's CPU.
 
-use super::{BoundarySet, HalfSpace, Hit, Intersector, veils::any_threshold};
+use super::{BoundarySet, HalfSpace, HierarchyNumber, Hit, Intersector, veils::any_threshold};
 use glam::{Mat3, Vec3};
 
 /// A node of the hierarchy of boxes.
@@ -97,6 +97,11 @@ pub trait FanDevice: Sync {
 }
 
 impl Intersector {
+    /// The number of its hierarchy.
+    pub fn number(&self) -> HierarchyNumber {
+        self.number
+    }
+
     /// The triangles of the mesh in the order of the leaves, as in [`Self::hierarchy`].
     pub fn leaf_triangle_ids(&self) -> &[u32] {
         &self.leaf_ids

@@ -2,7 +2,7 @@
 //!
 //! They are joined into one hierarchy per pose, so all rays and batches work on it unchanged. A static scene keeps its hierarchy.
 
-use super::{Intersector, LeafBlocks, Veils, hierarchy, widen_boxes};
+use super::{HierarchyNumber, Intersector, LeafBlocks, Veils, hierarchy, widen_boxes};
 use crate::{bounds::Bounds, mesh::Mesh, opacity::Opacities, scene::Scene};
 use glam::Vec3;
 use obvhs::aabb::Aabb;
@@ -122,7 +122,8 @@ impl Intersector {
         let kept = |(&[a, b, c], &t): (&[Vec3; 3], &u32)| if is_left_out(t) { [a; 3] } else { [a, b, c] };
         let leaf_triangles: Vec<_> = self.leaf_triangles.iter().zip(&self.leaf_ids).map(kept).collect();
         let (bvh, leaf_ids) = (self.bvh.clone(), self.leaf_ids.clone());
-        Self { blocks: LeafBlocks::new(&bvh, &leaf_triangles), bvh, leaf_triangles, leaf_ids, veils: None }
+        let (number, blocks) = (HierarchyNumber::next(), LeafBlocks::new(&bvh, &leaf_triangles));
+        Self { number, blocks, bvh, leaf_triangles, leaf_ids, veils: None }
     }
 
     /// Refits the boxes to the same triangles with other corners.
@@ -136,7 +137,8 @@ impl Intersector {
         }
         bvh.refit_all();
         widen_boxes(&mut bvh, bounds);
-        Self { blocks: LeafBlocks::new(&bvh, &leaf_triangles), bvh, leaf_triangles, leaf_ids, veils: None }
+        let (number, blocks) = (HierarchyNumber::next(), LeafBlocks::new(&bvh, &leaf_triangles));
+        Self { number, blocks, bvh, leaf_triangles, leaf_ids, veils: None }
     }
 
     /// Joins this hierarchy and another.
@@ -146,6 +148,7 @@ impl Intersector {
         }
         let places = self.leaf_ids.len() as u32;
         Self {
+            number: HierarchyNumber::next(),
             blocks: self.blocks.joined(&other.blocks),
             bvh: hierarchy::joined(&self.bvh, places, &other.bvh),
             leaf_triangles: [&self.leaf_triangles[..], &other.leaf_triangles].concat(),

@@ -3,6 +3,7 @@
 use super::{
     adapter::{GpuDevice, Room, has_hardware, is_emulated},
     bindings::{GroupLayout, Shaders},
+    box_hierarchy::{BoxHierarchies, BoxHierarchy},
     kernel::{Kernel, ray_pipeline},
     kernels::{IMPLICIT_GLOSS, KernelProgram},
     model_kernel::ModelKernel,
@@ -11,6 +12,7 @@ use super::{
     shaders::Program,
 };
 use crate::error::BackendError;
+use lapidary_core::ray::Intersector;
 use serde::Serialize;
 use std::{
     collections::HashMap,
@@ -36,6 +38,7 @@ pub struct SharedDevice {
     /// By names of programs.
     rays: Arc<Mutex<HashMap<&'static str, wgpu::ComputePipeline>>>,
     gloss: ModelKernel,
+    hierarchies: BoxHierarchies,
     /// Of passes.
     pub(crate) texts: Texts,
 }
@@ -117,6 +120,7 @@ impl SharedDevice {
             kernels: Arc::default(),
             rays: Arc::default(),
             gloss: ModelKernel::new(IMPLICIT_GLOSS),
+            hierarchies: BoxHierarchies::default(),
             texts: Texts::default(),
         })
     }
@@ -181,6 +185,14 @@ impl SharedDevice {
         let made = Arc::new(Kernel::new(&self.gpu, shaders, program, constants)?);
         kernels.insert(key, made.clone());
         Ok(made)
+    }
+
+    /// The hierarchy of a scene, which is uploaded once for all that use it.
+    ///
+    /// # Errors
+    /// A hierarchy that the adapter has no room for.
+    pub(crate) fn hierarchy(&self, scene: &Intersector) -> Result<Arc<BoxHierarchy>, BackendError> {
+        self.hierarchies.get(&self.gpu, scene)
     }
 
     /// What glossy leaves reflect, for a scene with some models; `None` while another thread compiles it.

@@ -2,11 +2,12 @@
 
 use super::{
     adapter::GpuDevice,
+    box_hierarchy::BoxHierarchy,
     buffers::{storage, uniform},
     compute::SharedDevice,
     kernels::{FANS, FanWork},
     layout,
-    rays::{dispatch, hierarchy, told},
+    rays::{dispatch, told},
     readback::read_range,
 };
 use crate::error::BackendError;
@@ -25,7 +26,7 @@ const BACK: u32 = 1 << 31;
 pub struct GpuFans {
     gpu: Arc<GpuDevice>,
     pipeline: wgpu::ComputePipeline,
-    hierarchy: wgpu::BindGroup,
+    hierarchy: Arc<BoxHierarchy>,
     work: wgpu::BindGroup,
     /// Held while rays are traced.
     fans: Mutex<wgpu::Buffer>,
@@ -56,7 +57,7 @@ impl GpuFans {
         let work = FanWork { uniforms: &uniforms, directions: &toward, fans: &fans, hits: &hits }.bind(gpu);
         Ok(Self {
             pipeline: device.ray_pipeline(&FANS, &FanWork::LAYOUT)?,
-            hierarchy: hierarchy(gpu, scene)?,
+            hierarchy: device.hierarchy(scene)?,
             work,
             fans: Mutex::new(fans),
             hits,
@@ -70,8 +71,8 @@ impl GpuFans {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn with_scene(self, scene: &Intersector) -> Result<Self, BackendError> {
-        let hierarchy = hierarchy(&self.gpu, scene)?;
+    pub fn with_scene(self, device: &SharedDevice, scene: &Intersector) -> Result<Self, BackendError> {
+        let hierarchy = device.hierarchy(scene)?;
         Ok(Self { hierarchy, triangles: scene.leaf_triangle_ids().to_vec(), ..self })
     }
 
@@ -80,7 +81,7 @@ impl GpuFans {
         let packed: Vec<layout::Fan> = fans.iter().map(packed).collect();
         let held = self.fans.lock().unwrap_or_else(PoisonError::into_inner);
         gpu.queue.write_buffer(&held, 0, bytemuck::cast_slice(&packed));
-        dispatch(gpu, &self.pipeline, [&self.hierarchy, &self.work], [self.directions as u32, fans.len() as u32]);
+        dispatch(gpu, &self.pipeline, [&self.hierarchy.group, &self.work], [self.directions as u32, fans.len() as u32]);
         read_range(gpu, &self.hits, 0..fans.len() * self.directions)
     }
 

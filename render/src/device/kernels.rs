@@ -43,6 +43,9 @@ bind_groups! {
     /// Rays of fans from some origins.
     FanWork { uniforms: Uniform, directions: Storage, fans: Storage, hits: Written }
 
+    /// Rays to lights.
+    ShadowRayWork { uniforms: Uniform, rays: Storage, open_words: Written }
+
     /// Leaves at positions of vertices.
     Leaves { positions: Storage, riders: Storage, discs: Written }
 
@@ -164,6 +167,14 @@ pub const BOUNDARIES: Program =
 pub const FANS: Program =
     Program { name: "fans_pass", parts: [&[], &["ordered", "traverse", "hierarchy", "fans_pass"]], output: None };
 
+/// Which rays to lights meet nothing. Its groups are [`Hierarchy`] and [`ShadowRayWork`]: it runs in no slices. Twin of
+/// `Intersector::passed_before` in core/src/ray/eight.rs.
+pub const SHADOW_RAYS: Program = Program {
+    name: "shadow_rays_pass",
+    parts: [&[], &["ordered", "traverse", "hierarchy", "shadow_rays_pass"]],
+    output: None,
+};
+
 /// What kernels of implicit visibility begin with.
 const FOREST: &[&str] = &["slice", "ordered", "forest"];
 
@@ -284,5 +295,5 @@ pub const SLICED: [KernelProgram; 16] = [
 /// All texts of one compute step.
 #[cfg(test)]
 pub fn programs() -> impl Iterator<Item = Program> {
-    SLICED.into_iter().map(|kernel| kernel.program).chain([RAYS, BOUNDARIES, FANS])
+    SLICED.into_iter().map(|kernel| kernel.program).chain([RAYS, BOUNDARIES, FANS, SHADOW_RAYS])
 }

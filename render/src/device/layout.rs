@@ -258,6 +258,23 @@ pub struct FanHit {
     pub barycentric: [f32; 2],
 }
 
+/// `ShadowRayUniforms` of `shadow_rays_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ShadowRayUniforms {
+    pub rays: u32,
+}
+
+/// `ShadowRay` of `shadow_rays_pass.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ShadowRay {
+    pub origin: [f32; 3],
+    pub reach: f32,
+    pub direction: [f32; 3],
+    pub padding: u32,
+}
+
 /// `Disc` of `forest.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

@@ -5,10 +5,11 @@
 use super::{
     adapter::GpuDevice,
     boundaries,
+    box_hierarchy::BoxHierarchy,
     buffers::{storage, uniform, written},
     compute::{Compute, SharedDevice},
     fans::GpuFans,
-    kernels::{BOUNDARIES, BoundaryWork, Hierarchy, RAYS, RayWork},
+    kernels::{BOUNDARIES, BoundaryWork, RAYS, RayWork},
     layout,
     readback::read_words,
 };
@@ -16,7 +17,7 @@ use crate::{error::BackendError, remedy::Remedy};
 use bytemuck::Zeroable;
 use glam::Vec3;
 use lapidary_core::ray::{
-    BoundarySet, BoxNode, FanDevice, Intersector, OpenRays, RayDevice, RayDevices, RayDirections, RayOrigin,
+    BoundarySet, FanDevice, Intersector, OpenRays, RayDevice, RayDevices, RayDirections, RayOrigin,
 };
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -33,9 +34,6 @@ const MOST_WORKGROUPS: usize = 65_535;
 
 /// Directions of a workgroup, as in the shaders.
 const DIRECTIONS_PER_GROUP: u32 = 64;
-
-/// Most levels of a hierarchy, as in the shader.
-const MOST_LEVELS: usize = 64;
 
 /// An adapter that traces rays.
 pub struct GpuRays {
@@ -63,7 +61,7 @@ impl GpuRays {
 
     fn scene(&self, scene: &Intersector, directions: RayDirections) -> Result<GpuRayScene, BackendError> {
         let gpu = self.device.gpu.clone();
-        let hierarchy = hierarchy(&gpu, scene)?;
+        let hierarchy = self.device.hierarchy(scene)?;
         let work = match directions {
             RayDirections::All(directions) => self.all(directions),
             RayDirections::Along(set) => self.along(set),
@@ -131,40 +129,6 @@ pub(super) fn told(gpu: &GpuDevice, error: &BackendError) -> String {
     error.of_adapter(&gpu.info.name, Remedy::words).unwrap_or_else(|| error.to_string())
 }
 
-/// The hierarchy of a scene, bound.
-pub(super) fn hierarchy(gpu: &GpuDevice, scene: &Intersector) -> Result<wgpu::BindGroup, BackendError> {
-    let BoxHierarchy { nodes, corners } = BoxHierarchy::new(gpu, scene)?;
-    Ok(Hierarchy { nodes: &nodes, corners: &corners }.bind(gpu))
-}
-
-/// The hierarchy of a scene on the GPU, without thin surfaces.
-pub(crate) struct BoxHierarchy {
-    pub nodes: wgpu::Buffer,
-    pub corners: wgpu::Buffer,
-}
-
-impl BoxHierarchy {
-    /// Uploads it.
-    ///
-    /// # Errors
-    /// A hierarchy that the adapter has no room for.
-    pub fn new(gpu: &GpuDevice, scene: &Intersector) -> Result<Self, BackendError> {
-        let (nodes, triangles) = scene.hierarchy();
-        gpu.within("the hierarchy", "levels", levels(&nodes) as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
-        let mut nodes: Vec<layout::BoxNode> = nodes.iter().map(packed).collect();
-        let mut corners: &[f32] = bytemuck::cast_slice(triangles);
-        if nodes.is_empty() {
-            // A buffer has contents: a triangle without an area, which no ray crosses.
-            (nodes, corners) = (vec![layout::BoxNode { triangles: 1, ..Zeroable::zeroed() }], &[0.0; 9]);
-        }
-        let bytes = size_of_val(corners).max(size_of_val(&nodes[..])) as u64;
-        gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
-        let nodes = storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes));
-        let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
-        Ok(Self { nodes, corners })
-    }
-}
-
 /// Origins of one piece of work, and a row of results for each.
 pub(super) struct RowsOfOrigins {
     pub origins: wgpu::Buffer,
@@ -197,7 +161,7 @@ struct RayProgram {
 /// A scene and directions on the GPU.
 struct GpuRayScene {
     gpu: Arc<GpuDevice>,
-    hierarchy: wgpu::BindGroup,
+    hierarchy: Arc<BoxHierarchy>,
     work: RayProgram,
 }
 
@@ -210,7 +174,7 @@ impl GpuRayScene {
         gpu.queue.write_buffer(&results.origins, 0, bytemuck::cast_slice(&packed));
         // One workgroup follows the boundaries of an origin.
         let directions = all.as_ref().map_or(1, |all| all.len() as u32);
-        dispatch(gpu, pipeline, [&self.hierarchy, work], [directions, origins.len() as u32]);
+        dispatch(gpu, pipeline, [&self.hierarchy.group, work], [directions, origins.len() as u32]);
         read_words(gpu, &results.open, origins.len() * results.words)
     }
 
@@ -257,10 +221,6 @@ impl RayDevice for GpuRayScene {
     }
 }
 
-fn packed(node: &BoxNode) -> layout::BoxNode {
-    layout::BoxNode { low: node.min.into(), first: node.first, high: node.max.into(), triangles: node.triangles }
-}
-
 fn packed_origin(at: &RayOrigin) -> layout::RayOrigin {
     layout::RayOrigin {
         origin: at.origin.into(),
@@ -268,19 +228,6 @@ fn packed_origin(at: &RayOrigin) -> layout::RayOrigin {
         normal: at.half.normal.into(),
         is_above: u32::from(at.half.is_above),
     }
-}
-
-/// Levels of a hierarchy.
-fn levels(nodes: &[BoxNode]) -> usize {
-    let (mut deepest, mut stack) = (0, vec![(0, 1)]);
-    while let Some((index, level)) = stack.pop() {
-        let Some(node) = nodes.get(index as usize) else { continue };
-        deepest = deepest.max(level);
-        if node.triangles == 0 {
-            stack.extend([(node.first, level + 1), (node.first + 1, level + 1)]);
-        }
-    }
-    deepest
 }
 
 #[cfg(test)]

@@ -107,6 +107,7 @@ parts!(
     "shadow",
     "shadow_filter",
     "shadow_pass",
+    "shadow_rays_pass",
     "sketch_pass",
     "slice",
     "sums",

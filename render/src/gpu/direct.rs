@@ -235,8 +235,8 @@ fn sun_rays<'l>(gpu: &GpuDevice, casting: impl Iterator<Item = &'l Light>, rays:
         suns.count += 1;
     }
     let suns = &uniform(gpu, "suns", bytemuck::bytes_of(&suns));
-    let PictureRays { nodes, corners, leaf_triangles, .. } = rays;
-    SunRays { suns, nodes, corners, leaf_triangles }.bind(gpu)
+    let PictureRays { hierarchy, leaf_triangles, .. } = rays;
+    SunRays { suns, nodes: &hierarchy.nodes, corners: &hierarchy.corners, leaf_triangles }.bind(gpu)
 }
 
 /// Whether a light has rays in place of shadow maps.

@@ -2,17 +2,17 @@
 
 use crate::{
     baked::Baked,
-    device::{BoxHierarchy, GpuDevice, layout, storage, uniform},
+    device::{BoxHierarchy, GpuDevice, SharedDevice, layout, storage, uniform},
     error::BackendError,
     view::View,
 };
 use lapidary_core::{ground::Ground, offset, opacity::Opacities, ray::Intersector};
+use std::sync::Arc;
 
 /// What rays meet: all triangles, those of thin surfaces too.
 pub struct PictureRays {
     pub uniforms: wgpu::Buffer,
-    pub nodes: wgpu::Buffer,
-    pub corners: wgpu::Buffer,
+    pub hierarchy: Arc<BoxHierarchy>,
     pub leaf_triangles: wgpu::Buffer,
     /// Of rays from their surface, in meters.
     pub largest_offset: f32,
@@ -25,7 +25,7 @@ impl PictureRays {
     ///
     /// # Errors
     /// A hierarchy that the adapter has no room for.
-    pub fn new(gpu: &GpuDevice, baked: &Baked) -> Result<Self, BackendError> {
+    pub fn new(device: &SharedDevice, baked: &Baked) -> Result<Self, BackendError> {
         let mesh = &baked.dataset.scene.mesh;
         let own;
         let intersector = if baked.intersector().has_veils() {
@@ -34,14 +34,14 @@ impl PictureRays {
         } else {
             baked.intersector()
         };
-        let BoxHierarchy { nodes, corners } = BoxHierarchy::new(gpu, intersector)?;
+        let (gpu, hierarchy) = (&device.gpu, device.hierarchy(intersector)?);
         let ids: &[u32] = intersector.leaf_triangle_ids();
         let leaf_triangles =
             storage(gpu, "leaf triangles", bytemuck::cast_slice(if ids.is_empty() { &[0] } else { ids }));
         let uniforms = uniform(gpu, "mirrored scene", &[0; size_of::<layout::MirroredScene>()]);
         let largest_offset = offset::LARGEST * mesh.bounds().diagonal();
         let ground = mesh.ground.map(|start| start.triangle);
-        Ok(Self { uniforms, nodes, corners, leaf_triangles, largest_offset, ground })
+        Ok(Self { uniforms, hierarchy, leaf_triangles, largest_offset, ground })
     }
 
     /// Takes what a view shows of the ground.

@@ -127,7 +127,7 @@ impl SourceRig {
 
 impl Relight for SourceRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
-        self.lit.update(&situation.appearance, &situation.bouncing(), changes);
+        self.lit.update((&situation.appearance, &situation.bouncing()), &situation.compute, changes);
         if changes.environment {
             let lighting = situation.environment.as_ref();
             let sources = lighting.and_then(|lighting| environment_irradiance(&self.dataset, lighting));

@@ -342,8 +342,10 @@ impl Relight for PoseRig {
         }
         self.eye = situation.eye;
         let lights = [&*situation.lights, &*situation.suns].concat();
+        // The picture's rays to suns meet the posed scene on the device; for other lights alone it is not taken there.
+        let compute = if situation.suns.is_empty() { &Compute::Cores } else { &situation.compute };
         for seen in [&mut self.posed, &mut self.as_baked] {
-            seen.points.update(&situation.appearance, &lights, changes);
+            seen.points.update((&situation.appearance, &lights), compute, changes);
         }
         if changes.relight() {
             (self.lit_as_baked, self.as_baked.lit) = (None, None);

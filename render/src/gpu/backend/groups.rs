@@ -145,8 +145,8 @@ impl MirroredPointGroups {
         };
         let scene = MirroredScene {
             mirrored: &rays.uniforms,
-            nodes: &rays.nodes,
-            corners: &rays.corners,
+            nodes: &rays.hierarchy.nodes,
+            corners: &rays.hierarchy.corners,
             leaf_triangles: &rays.leaf_triangles,
             geometry: &from.view,
             mirror_rays,

@@ -110,7 +110,7 @@ impl Backend for GpuBackend {
         self.progress.picture = None;
         self.compile_for(&fitted, false)?;
         let Self { pipelines, shown, .. } = self;
-        let uploaded = shown.scene.as_mut().map(|loaded| loaded.upload_rays(pipelines.gpu(), false));
+        let uploaded = shown.scene.as_mut().map(|loaded| loaded.upload_rays(&pipelines.device, false));
         if let Some(Err(error)) = uploaded {
             messages.push(without_rays(&error));
         }
@@ -140,7 +140,7 @@ impl Backend for GpuBackend {
         let radius = shown.scene.as_ref().map_or(1.0, |loaded| 0.5 * loaded.scene.bounds.diagonal());
         let mut remarks: Vec<String> = shown.local_lights.set(&lighting.shown_lights(), radius).into_iter().collect();
         if let Some(loaded) = shown.scene.as_mut().filter(|_| shown.local_lights.have_suns())
-            && let Err(error) = loaded.upload_rays(pipelines.gpu(), true)
+            && let Err(error) = loaded.upload_rays(&pipelines.device, true)
         {
             remarks.push(without_rays(&error));
         }

@@ -104,7 +104,11 @@ impl GpuBackend {
         progress.make_room(pipelines.gpu(), view.size);
         let catches = shown.upload(pipelines, view)?;
         let mirrors = shown.prepare_mirrors(pipelines, view, sampling);
-        progress.set_parts(pipelines.gpu(), shown.parts(view.mode, mirrors), shown.prepare_suns(pipelines.gpu(), view));
+        progress.set_parts(
+            pipelines.gpu(),
+            shown.parts(view.mode, mirrors),
+            shown.prepare_suns(&pipelines.device, view),
+        );
         let groups = Groups::new(pipelines.gpu(), &pipelines.uniforms, shown, progress);
         if view.mode == ViewMode::Shaded && !shown.local.shown_lights().is_empty() {
             // Shadow maps are drawn before the picture begins.

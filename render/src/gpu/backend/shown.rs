@@ -5,7 +5,7 @@ use crate::{
     appearance::Assigned,
     baked::Baked,
     device::{
-        GpuDevice,
+        GpuDevice, SharedDevice,
         layout::{
             FrameUniforms,
             constants::{
@@ -85,10 +85,10 @@ impl Loaded {
     ///
     /// # Errors
     /// A scene that the adapter has no room for.
-    pub fn upload_rays(&mut self, gpu: &GpuDevice, suns: bool) -> Result<(), BackendError> {
+    pub fn upload_rays(&mut self, device: &SharedDevice, suns: bool) -> Result<(), BackendError> {
         if !self.has_tried_rays && (suns || self.mirrors != Marks::default()) {
             self.has_tried_rays = true;
-            self.rays = Some(PictureRays::new(gpu, &self.baked)?);
+            self.rays = Some(PictureRays::new(device, &self.baked)?);
         }
         Ok(())
     }
@@ -179,19 +179,19 @@ impl Shown {
             return false;
         }
         // Who sets materials or lights is told why there is no room.
-        let _ = loaded.upload_rays(gpu, false);
+        let _ = loaded.upload_rays(&pipelines.device, false);
         loaded.rays.iter().for_each(|rays| rays.set_view(gpu, view));
         loaded.rays.is_some()
     }
 
     /// Gets ready what rays to suns meet, if some shine in a view. Returns whether there are such rays: not if the adapter has no room.
-    pub fn prepare_suns(&mut self, gpu: &GpuDevice, view: &View) -> bool {
+    pub fn prepare_suns(&mut self, device: &SharedDevice, view: &View) -> bool {
         let Some(loaded) = &mut self.scene else { return false };
         if view.mode != ViewMode::Shaded || !self.local_lights.have_suns() {
             return false;
         }
         // Who sets materials or lights is told why there is no room.
-        let _ = loaded.upload_rays(gpu, true);
+        let _ = loaded.upload_rays(device, true);
         loaded.rays.is_some()
     }
 

@@ -1,6 +1,9 @@
 //! Irradiance of surface points: from local lights by shadow rays, from the environment by cuts.
 
-use crate::light::environment::SceneLighting;
+use crate::{
+    device::{GpuShadowRays, ShadowRay},
+    light::environment::SceneLighting,
+};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     cut::{merge::merge, packed::PackedCursor},
@@ -14,43 +17,104 @@ use lapidary_core::{
 use rayon::prelude::*;
 use std::array::from_fn;
 
-/// How shadow rays are cast.
-#[derive(Clone, Copy, Debug)]
-pub struct ShadowRays {
+/// What casts shadow rays, and how.
+#[derive(Clone, Copy)]
+pub struct ShadowRays<'a> {
+    /// The scene.
+    pub intersector: &'a Intersector,
+    /// The scene on a device, which traces the rays.
+    pub device: Option<&'a GpuShadowRays>,
     /// Samples along each side of an area light; averages over neighboring points reduce their error.
     pub area_samples: u32,
     /// Distance in meters of ray origins from the surface.
     pub offset: f32,
 }
 
-/// Irradiance of each point from `lights`, by one normal per point. Points that are close together in `order` trace their rays
-/// through the same boxes.
-pub fn light_irradiance(
-    points: &[Surfel],
-    normals: &[Vec3],
-    order: &[u32],
-    lights: &[Light],
-    (intersector, rays): (&Intersector, ShadowRays),
-) -> Vec<Vec3> {
-    let patterns: Vec<(LightSampler, Vec<Vec2>)> =
-        lights.iter().map(|light| (light.sampler(), pattern(light, rays.area_samples))).collect();
-    let of_eight = |eight: &[u32]| {
-        let eight: Vec<(&Surfel, Vec3)> = eight.iter().map(|&i| (&points[i as usize], normals[i as usize])).collect();
-        let mut sums = [Vec3::ZERO; 8];
-        for (light, pattern) in &patterns {
+/// Surface points, their normals, and an order in which neighbors are close together, so that their rays enter the same boxes.
+pub struct ReceivingPoints<'a> {
+    pub points: &'a [Surfel],
+    pub normals: &'a [Vec3],
+    pub order: &'a [u32],
+}
+
+/// Irradiance of each point from `lights`.
+pub fn light_irradiance(at: &ReceivingPoints, lights: &[Light], rays: ShadowRays) -> Vec<Vec3> {
+    let lights = SampledLights::new(lights, rays.area_samples);
+    let by_device = rays.device.and_then(|device| lights.irradiance_on(device, at, rays.offset));
+    let eights = by_device.unwrap_or_else(|| lights.irradiance(rays.intersector, at, rays.offset));
+    let mut irradiance = vec![Vec3::ZERO; at.points.len()];
+    at.order.iter().zip(eights.as_flattened()).for_each(|(&i, &received)| irradiance[i as usize] = received);
+    irradiance
+}
+
+/// Lights with the samples of each.
+struct SampledLights<'a>(Vec<(LightSampler<'a>, Vec<Vec2>)>);
+
+impl<'a> SampledLights<'a> {
+    fn new(lights: &'a [Light], area_samples: u32) -> Self {
+        Self(lights.iter().map(|light| (light.sampler(), pattern(light, area_samples))).collect())
+    }
+
+    /// Samples of all lights.
+    fn samples(&self) -> usize {
+        self.0.iter().map(|(_, pattern)| pattern.len()).sum()
+    }
+
+    /// Irradiance of points, eight at a time.
+    fn irradiance(&self, scene: &Intersector, at: &ReceivingPoints, offset: f32) -> Vec<[Vec3; 8]> {
+        let of_eight = |eight: &[u32]| {
+            let sent = self.sent(&at.eight(eight), offset);
+            self.sum(&sent, |i| sent[i].passed(scene))
+        };
+        at.order.par_chunks(8).with_min_len(8).map(of_eight).collect()
+    }
+
+    /// The same with rays on a device; `None` if it fails.
+    fn irradiance_on(&self, device: &GpuShadowRays, at: &ReceivingPoints, offset: f32) -> Option<Vec<[Vec3; 8]>> {
+        let samples = self.samples();
+        let at_a_time = (GpuShadowRays::AT_A_TIME / (8 * samples).max(1)).max(1);
+        let mut irradiance = Vec::with_capacity(at.order.len().div_ceil(8));
+        for some in at.order.chunks(8 * at_a_time) {
+            let sent: Vec<Vec<EightSent>> =
+                some.par_chunks(8).with_min_len(8).map(|eight| self.sent(&at.eight(eight), offset)).collect();
+            let rays: Vec<ShadowRay> = sent.iter().flatten().flat_map(EightSent::rays).collect();
+            let open = device.open(&rays)?;
+            let of_eight = |(eight, sent): (usize, &Vec<EightSent>)| {
+                self.sum(sent, |i| from_fn(|lane| f32::from(open[eight * samples + i] >> lane & 1)))
+            };
+            irradiance.par_extend(sent.par_iter().enumerate().with_min_len(8).map(of_eight));
+        }
+        Some(irradiance)
+    }
+
+    /// What is sent to up to eight points with their normals, light by light and sample by sample.
+    fn sent(&self, points: &[(&Surfel, Vec3)], offset: f32) -> Vec<EightSent> {
+        let of_light = |(light, pattern): &(LightSampler, Vec<Vec2>)| {
+            pattern.iter().map(|&u| EightSent::new(points, light, u, offset)).collect::<Vec<_>>()
+        };
+        self.0.iter().flat_map(of_light).collect()
+    }
+
+    /// Irradiance of eight points from what passes of each sample.
+    fn sum(&self, sent: &[EightSent], passed: impl Fn(usize) -> [f32; 8]) -> [Vec3; 8] {
+        let (mut sums, mut sample) = ([Vec3::ZERO; 8], 0);
+        for (_, pattern) in &self.0 {
             let mut received = [Vec3::ZERO; 8];
-            for &u in pattern {
-                let of_sample = light_sample(&eight, light, u, intersector, rays.offset);
-                received.iter_mut().zip(of_sample).for_each(|(received, of_sample)| *received += of_sample);
+            for _ in pattern {
+                let passed = passed(sample);
+                received.iter_mut().enumerate().for_each(|(i, sum)| *sum += sent[sample].received[i] * passed[i]);
+                sample += 1;
             }
             sums.iter_mut().zip(received).for_each(|(sum, received)| *sum += received / pattern.len() as f32);
         }
         sums
-    };
-    let eights: Vec<[Vec3; 8]> = order.par_chunks(8).with_min_len(8).map(of_eight).collect();
-    let mut irradiance = vec![Vec3::ZERO; points.len()];
-    order.iter().zip(eights.as_flattened()).for_each(|(&i, &received)| irradiance[i as usize] = received);
-    irradiance
+    }
+}
+
+impl ReceivingPoints<'_> {
+    fn eight(&self, which: &[u32]) -> Vec<(&Surfel, Vec3)> {
+        which.iter().map(|&i| (&self.points[i as usize], self.normals[i as usize])).collect()
+    }
 }
 
 fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
@@ -61,27 +125,41 @@ fn pattern(light: &Light, area_samples: u32) -> Vec<Vec2> {
     (0..side * side).map(|i| Vec2::new(middle(i % side), middle(i / side))).collect()
 }
 
-/// Light of one light sample at up to eight points with their normals.
-fn light_sample(
-    points: &[(&Surfel, Vec3)],
-    light: &LightSampler,
-    u: Vec2,
-    intersector: &Intersector,
-    offset: f32,
-) -> [Vec3; 8] {
-    let sent: [Option<(Vec3, LightSample, Vec3)>; 8] = from_fn(|i| {
-        let (point, normal) = points.get(i)?;
-        let sample = light.sample(point.position, u)?;
-        let received = sample.irradiance * normal.dot(sample.direction).max(0.0);
-        (received.max_element() > 0.0).then_some((point.position + point.normal * offset, sample, received))
-    });
-    let active = (0..8).map(|i| u8::from(sent[i].is_some()) << i).sum();
-    let origins = sent.map(|sent| sent.map_or(Vec3::ZERO, |(origin, ..)| origin));
-    let directions = sent.map(|sent| sent.map_or(Vec3::Y, |(_, sample, _)| sample.direction));
-    // A light may lie on a surface, which does not block it.
-    let reaches = sent.map(|sent| sent.map_or(0.0, |(_, sample, _)| offset::REACH_OF_BOUNCE * sample.distance));
-    let passed = intersector.passed_before(&EightRays::new(origins, directions, active), reaches);
-    from_fn(|i| sent[i].map_or(Vec3::ZERO, |(.., received)| received * passed[i]))
+/// Light of one sample at up to eight points, unless something stops it.
+struct EightSent {
+    origins: [Vec3; 8],
+    directions: [Vec3; 8],
+    /// Distances in meters before which something stops it; 0 where nothing is received.
+    reaches: [f32; 8],
+    received: [Vec3; 8],
+}
+
+impl EightSent {
+    fn new(points: &[(&Surfel, Vec3)], light: &LightSampler, u: Vec2, offset: f32) -> Self {
+        let sent: [Option<(Vec3, LightSample, Vec3)>; 8] = from_fn(|i| {
+            let (point, normal) = points.get(i)?;
+            let sample = light.sample(point.position, u)?;
+            let received = sample.irradiance * normal.dot(sample.direction).max(0.0);
+            (received.max_element() > 0.0).then_some((point.position + point.normal * offset, sample, received))
+        });
+        Self {
+            origins: sent.map(|sent| sent.map_or(Vec3::ZERO, |(origin, ..)| origin)),
+            directions: sent.map(|sent| sent.map_or(Vec3::Y, |(_, sample, _)| sample.direction)),
+            // A light may lie on a surface, which does not block it.
+            reaches: sent.map(|sent| sent.map_or(0.0, |(_, sample, _)| offset::REACH_OF_BOUNCE * sample.distance)),
+            received: sent.map(|sent| sent.map_or(Vec3::ZERO, |(.., received)| received)),
+        }
+    }
+
+    /// The share of each that passes.
+    fn passed(&self, scene: &Intersector) -> [f32; 8] {
+        let active = (0..8).map(|i| u8::from(self.received[i] != Vec3::ZERO) << i).sum();
+        scene.passed_before(&EightRays::new(self.origins, self.directions, active), self.reaches)
+    }
+
+    fn rays(&self) -> [ShadowRay; 8] {
+        from_fn(|i| ShadowRay { origin: self.origins[i], direction: self.directions[i], reach: self.reaches[i] })
+    }
 }
 
 /// Irradiance of each source from the environment: its cut merged with the illumination cut, times the cosine. `None`

@@ -1,12 +1,13 @@
 //! Surface points under changing lights, with stored results that an edit does not change.
 
 use super::{
-    irradiance::{ShadowRays, light_irradiance},
+    irradiance::{ReceivingPoints, ShadowRays, light_irradiance},
     light_groups::LightGroups,
 };
 use crate::{
     appearance::{Appearance, ResolvedAppearance},
     baked::Baked,
+    device::{Compute, GpuShadowRays, SharedDevice},
     light::situation::Changes,
 };
 use glam::Vec3;
@@ -22,6 +23,8 @@ pub(crate) struct LitPoints {
     /// Shading normals, one per point: the bounce is then as bright as the visible surface.
     normals: Vec<Vec3>,
     area_samples: u32,
+    /// The scene on a device, if it takes it and the rays to lights.
+    on_device: Option<GpuShadowRays>,
     albedo: Vec<Vec3>,
     emission: Vec<Vec3>,
     /// Irradiance of the points from local lights.
@@ -37,8 +40,18 @@ impl LitPoints {
         let (albedo, emission, lights) = (Vec::new(), Vec::new(), LightGroups::default());
         let normals = points.par_iter().map(|point| dataset.scene.mesh.shading_normal(point)).collect();
         let order = (0..points.len() as u32).collect();
-        let (baked, environment) = (baked.clone(), None);
-        let mut lit = Self { baked, points, order, normals, area_samples, albedo, emission, lights, environment };
+        let mut lit = Self {
+            baked: baked.clone(),
+            points,
+            order,
+            normals,
+            area_samples,
+            on_device: None,
+            albedo,
+            emission,
+            lights,
+            environment: None,
+        };
         lit.take_appearance(&Appearance::of(&dataset.scene));
         lit
     }
@@ -78,14 +91,33 @@ impl LitPoints {
     }
 
     /// Updates materials and lights. Casts rays only for changed lights.
-    pub fn update(&mut self, appearance: &Appearance, lights: &[Light], changes: Changes) {
+    pub fn update(&mut self, (appearance, lights): (&Appearance, &[Light]), compute: &Compute, changes: Changes) {
         if changes.appearance {
             self.take_appearance(appearance);
         }
-        let rays = ShadowRays { area_samples: self.area_samples, offset: self.ray_offset() };
-        self.lights.update(lights, |lights| {
-            light_irradiance(&self.points, &self.normals, &self.order, lights, (self.baked.intersector(), rays))
-        });
+        if let Compute::Device(device) = compute
+            && !lights.is_empty()
+        {
+            self.take_to_device(device);
+        } else {
+            self.on_device = None;
+        }
+        let at = ReceivingPoints { points: &self.points, normals: &self.normals, order: &self.order };
+        let rays = ShadowRays {
+            intersector: self.baked.intersector(),
+            device: self.on_device.as_ref(),
+            area_samples: self.area_samples,
+            offset: self.ray_offset(),
+        };
+        self.lights.update(lights, |lights| light_irradiance(&at, lights, rays));
+    }
+
+    /// Takes the scene to a device, unless it has thin surfaces, or is there. The cores trace what the device does not take.
+    fn take_to_device(&mut self, device: &SharedDevice) {
+        let scene = self.baked.intersector();
+        let known = self.on_device.take().filter(|known| known.is_of(device, scene));
+        let new = || (!scene.has_veils()).then(|| GpuShadowRays::new(device, scene).ok()).flatten();
+        self.on_device = known.or_else(new);
     }
 
     fn take_appearance(&mut self, appearance: &Appearance) {
@@ -116,5 +148,47 @@ impl LitPoints {
     /// Distance in meters of shadow ray origins from the surface.
     fn ray_offset(&self) -> f32 {
         offset::BOUNCE * self.baked.dataset.scene.mesh.bounds().diagonal()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        device::test_adapter::{on_adapter, shared_device},
+        test_scenes::{dataset, light, mesh, point_light, white},
+    };
+    use lapidary_core::{implicit::forest::SurfelForest, lights::Emission};
+
+    #[test]
+    fn a_device_finds_the_irradiance_of_the_cores() {
+        let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
+        let baked = Baked::from(dataset(mesh(4, true), white()));
+        let of = &baked.dataset;
+        let forest = SurfelForest::new(&of.scene.mesh, &of.two_sided, 2048);
+        let area = Emission::Rectangle { width: 0.8, height: 0.6 };
+        let lights = [
+            point_light(Vec3::new(0.3, 3.0, 0.2), 3.0),
+            light(area, Vec3::new(-0.5, 2.5, 0.4), Vec3::ZERO, 2.0),
+            light(Emission::PARALLEL, Vec3::new(0.4, 1.0, 0.3), Vec3::ZERO, 1.0),
+        ];
+        let under = |compute: &Compute, lights: &[Light]| {
+            let mut lit = LitPoints::new(&baked, forest.surfels().collect(), 2);
+            lit.update((&Appearance::of(&of.scene), lights), compute, Changes::ALL);
+            assert_eq!(lit.on_device.is_some(), matches!(compute, Compute::Device(_)), "it takes a small scene");
+            lit.irradiance()
+        };
+        let (cores, device) = (Compute::Cores, Compute::Device(device));
+        let expected = under(&cores, &lights);
+        let differing = |found: &[Vec3]| found.iter().zip(&expected).filter(|(a, b)| a != b).count();
+        // Rays along an edge may fall to either side.
+        let ties = differing(&under(&device, &lights));
+        assert!(ties * 500 <= expected.len(), "{ties} of {}", expected.len());
+        // The lights shine, and some points are in the shadow of one of them.
+        for (i, other) in lights.iter().enumerate() {
+            let without: Vec<Light> = lights.iter().filter(|light| *light != other).cloned().collect();
+            let differ = differing(&under(&device, &without));
+            assert!(differ > expected.len() / 4 && differ < expected.len(), "negative control: {differ} without {i}");
+        }
     }
 }

@@ -124,7 +124,7 @@ fn bake(dataset: &Dataset) -> &MeshlessBake {
 
 impl Relight for MeshlessRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
-        self.lit.update(&situation.appearance, &situation.bouncing(), changes);
+        self.lit.update((&situation.appearance, &situation.bouncing()), &situation.compute, changes);
         if changes.appearance {
             self.has_lobes = situation.appearance.materials.iter().any(|material| narrowest_lobe(material).is_finite());
         }

@@ -198,7 +198,7 @@ impl RadiosityRig {
         let (scene, known) = (self.posed.intersector(), self.on_device.take());
         self.on_device = match (&self.compute, known) {
             (Compute::Cores, _) => None,
-            (Compute::Device(_), Some(known)) => known.with_scene(scene).ok(),
+            (Compute::Device(device), Some(known)) => known.with_scene(device, scene).ok(),
             (Compute::Device(device), None) => GpuFans::new(device, scene, self.solver.directions()).ok(),
         };
     }
@@ -220,7 +220,7 @@ impl Relight for RadiosityRig {
         if changes.environment {
             self.sky = SkyGrid::of(situation);
         }
-        self.lit.update(&situation.appearance, &situation.bouncing(), changes);
+        self.lit.update((&situation.appearance, &situation.bouncing()), &situation.compute, changes);
         if changes.relight() {
             self.light = None;
         }
