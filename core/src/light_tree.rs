@@ -14,7 +14,7 @@ pub use build::{cluster_order, cluster_order_of_groups};
 pub use features::{Features, PilotVisibility};
 pub use nearest::NearestLeaf;
 pub use node_light::NodeLight;
-pub use radiance::{EnvironmentSampler, GridEnergy};
+pub use radiance::{EnvironmentSampler, GridEnergy, GridShift};
 
 use crate::sphere::fibonacci_directions;
 use glam::Vec3;

@@ -33,7 +33,7 @@ impl NodeLight {
         let of_directions = || (means_up_the_tree(&weighted), means_up_the_tree(&luminances));
         let of_radiance = || (means_up_the_tree(leaf_radiance), means_up_the_tree(&squares));
         let ((weighted, weight), (radiance, intensity_sq)) = rayon::join(of_directions, of_radiance);
-        let leaf_inv_kappa = leaf_inv_kappa(tree.len());
+        let leaf_spread = Self::leaf_spread(tree.len());
         let nodes = (0..2 * tree.len()).into_par_iter().with_min_len(1024);
         let mean = |i: usize| {
             let plain = tree.mean_directions()[i];
@@ -44,9 +44,14 @@ impl NodeLight {
             intensity: radiance.iter().map(|&l| luminance(l)).collect(),
             radiance,
             place: nodes.clone().map(|i| mean(i).normalize_or(Vec3::Y)).collect(),
-            spread: nodes.map(|i| inv_kappa(mean(i).length()) + leaf_inv_kappa).collect(),
+            spread: nodes.map(|i| inv_kappa(mean(i).length()) + leaf_spread).collect(),
             intensity_sq,
         }
+    }
+
+    /// Spread of one of so many distant lights. A leaf is itself a small cap of solid angle `4π / N`.
+    pub fn leaf_spread(lights: usize) -> f32 {
+        inv_kappa(1.0 - 1.0 / lights as f32) // the centroid of a cap of height h = 2 / N lies at 1 - h / 2
     }
 }
 
@@ -54,11 +59,6 @@ impl NodeLight {
 fn inv_kappa(resultant: f32) -> f32 {
     let r = resultant.clamp(1e-4, 1.0);
     ((1.0 - r * r) / (r * (3.0 - r * r))).max(0.0)
-}
-
-/// A leaf is itself a small cap of solid angle `4π / N`, which gives its spread.
-fn leaf_inv_kappa(lights: usize) -> f32 {
-    inv_kappa(1.0 - 1.0 / lights as f32) // the centroid of a cap of height h = 2 / N lies at 1 - h / 2
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@ const SUBSAMPLES: usize = 3;
 const BALANCING: usize = 24;
 
 /// Turns environment maps into the radiance of `N` Fibonacci samples.
+#[derive(Debug)]
 pub struct EnvironmentSampler {
     lights: usize,
     /// Columns and rows of the grid; both powers of two.
@@ -36,6 +37,22 @@ pub struct EnvironmentSampler {
 /// A map resampled to the grid of an [`EnvironmentSampler`]: energy (radiance times solid angle) of each cell.
 #[derive(Clone, Debug)]
 pub struct GridEnergy(Vec<Vec3>);
+
+impl GridEnergy {
+    /// Energy of the cells, row by row.
+    pub fn cells(&self) -> &[Vec3] {
+        &self.0
+    }
+}
+
+/// A rotation as a shift of the grid's rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridShift {
+    /// Whole columns, fewer than there are.
+    pub columns: u32,
+    /// The rest: the weight of the next column.
+    pub fraction: f32,
+}
 
 impl EnvironmentSampler {
     /// Prepares the matrix for `lights` samples; takes some tenths of a second for 32,768.
@@ -61,6 +78,29 @@ impl EnvironmentSampler {
         self.lights
     }
 
+    /// Columns of the grid, a power of two.
+    pub fn columns(&self) -> usize {
+        self.grid[0]
+    }
+
+    /// The cells of a sample (`row * columns + column`), each with the fraction of its energy that the sample takes.
+    pub fn cells_of(&self, sample: usize) -> &[(u32, f32)] {
+        &self.cells[self.starts[sample] as usize..self.starts[sample + 1] as usize]
+    }
+
+    /// The shift of the rows for a map turned by `rotation` radians.
+    pub fn shift(&self, rotation: f32) -> GridShift {
+        let columns = self.columns();
+        let shift = f64::from(rotation) / TAU * columns as f64;
+        let whole = (shift.floor() as i64).rem_euclid(columns as i64);
+        GridShift { columns: whole as u32, fraction: (shift - shift.floor()) as f32 }
+    }
+
+    /// Samples in a steradian.
+    pub fn samples_per_steradian(&self) -> f32 {
+        self.lights as f32 / SPHERE
+    }
+
     /// Resamples a map to the grid, conserving energy.
     pub fn grid_energy(&self, environment: &Environment) -> GridEnergy {
         GridEnergy(resample(&environment.map, self.grid))
@@ -68,19 +108,15 @@ impl EnvironmentSampler {
 
     /// Radiance of every sample (in sample order) under a map turned by `rotation` radians.
     pub fn sample_radiance(&self, energy: &GridEnergy, rotation: f32) -> Vec<Vec3> {
-        let columns = self.grid[0];
-        let shift = f64::from(rotation) / TAU * columns as f64;
-        let (whole, fraction) = (shift.floor(), (shift - shift.floor()) as f32);
-        let whole = (whole as i64).rem_euclid(columns as i64) as usize;
-        let inv_solid_angle = self.lights as f32 / SPHERE;
+        let (columns, GridShift { columns: whole, fraction }) = (self.columns(), self.shift(rotation));
+        let (whole, inv_solid_angle) = (whole as usize, self.samples_per_steradian());
         let cell_energy = |cell: u32| {
             let (row, column) = (cell as usize & !(columns - 1), cell as usize & (columns - 1));
             let at = |c: usize| energy.0[row | (c & (columns - 1))];
             at(column + whole) * (1.0 - fraction) + at(column + whole + 1) * fraction
         };
         let radiance = |i: usize| {
-            let cells = &self.cells[self.starts[i] as usize..self.starts[i + 1] as usize];
-            cells.iter().map(|&(cell, part)| cell_energy(cell) * part).sum::<Vec3>() * inv_solid_angle
+            self.cells_of(i).iter().map(|&(cell, part)| cell_energy(cell) * part).sum::<Vec3>() * inv_solid_angle
         };
         (0..self.lights).into_par_iter().with_min_len(256).map(radiance).collect()
     }
