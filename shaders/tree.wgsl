@@ -8,17 +8,6 @@ const FIELD_NONE: u32 = 0u;
 const FIELD_ENVIRONMENT: u32 = 1u;
 const FIELD_SOURCES: u32 = 2u;
 
-struct Node {
-    // Mean radiance.
-    radiance: vec3<f32>,
-    // Distant: inverse concentration as a von Mises-Fisher lobe. Sources: radius in meters, weighted by radiance.
-    spread: f32,
-    // Distant: unit direction. Sources: center in meters. Weighted by radiance.
-    place: vec3<f32>,
-    // Distant: half-angle in radians of the cone of its leaves. Sources: their radius in meters.
-    radius: f32,
-}
-
 @group(2) @binding(0) var<storage, read> nodes: array<Node>;
 // Brightness of each node relative to the mean of the whole tree; at least 1.
 @group(2) @binding(1) var<storage, read> brightness: array<f32>;

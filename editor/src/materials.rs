@@ -55,8 +55,7 @@ pub fn load(work: &Workspace, loader: &mut Loader, material: usize, path: PathBu
 pub fn show(ui: &mut Ui, panel: &mut MaterialPanel, work: &Workspace, picture: &Picture, actions: &mut Vec<Action>) {
     let has_environment = work.document.components.shows(Component::Environment)
         && work.scene.baked_parts().is_some_and(BakeParts::environment);
-    // The root of the tree has the mean of all light.
-    let is_lit = |s: &&RenderedFrame| has_environment && s.lighting.nodes.radiance[1].max_element() > 0.0;
+    let is_lit = |s: &&RenderedFrame| has_environment && s.lighting.shines();
     let shown = picture.shown().filter(is_lit);
     let [has_second_uvs, has_vertex_colors] = work.scene.has_second_uvs_and_colors();
     let context = MaterialContext {

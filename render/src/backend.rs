@@ -10,7 +10,7 @@ use crate::{
     device::{Compute, DeviceCuts},
     error::BackendError,
     light::{
-        environment::{Illumination, SceneLighting},
+        environment::{EnvironmentLight, Illumination},
         local::LocalLighting,
     },
     post::Post,
@@ -137,12 +137,16 @@ pub trait Backend: Send {
     /// A lost device.
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError>;
 
-    /// Lights the scene; `lighting` is made from `light` for the scene's tree. Returns the changes made to fit the map, in
+    /// Lights the scene; `lighting` is made from `light` for the scene's tree, and computed when it is first read. Returns the changes made to fit the map, in
     /// sentences.
     ///
     /// # Errors
     /// A lost device.
-    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError>;
+    fn set_light(
+        &mut self,
+        light: &Illumination,
+        lighting: &Arc<EnvironmentLight>,
+    ) -> Result<Vec<String>, BackendError>;
 
     /// Sets local lights, bounced light, and the shown components. A new scene has no such light, and shows all components. Returns
     /// the changes made to fit them, in sentences.

@@ -32,7 +32,7 @@ pub(crate) use adapter::{GpuDevice, is_emulated};
 pub use adapter::{Room, has_hardware};
 pub(crate) use bindings::{Binding, Bound, GroupLayout, Shaders, bind_groups, bound};
 pub(crate) use box_hierarchy::BoxHierarchy;
-pub(crate) use buffers::{storage, uniform};
+pub(crate) use buffers::{storage, uniform, written};
 pub use compute::{AdapterFacts, Compute, SharedDevice};
 pub(crate) use fans::GpuFans;
 pub(crate) use implicit::{CutRequest, CutTables, GlossRequest, GlossTable, LeafLobes};

@@ -20,6 +20,7 @@ mod probe;
 mod scene;
 mod shadows;
 mod targets;
+mod turned;
 mod wavelet;
 
 pub use crate::device::{

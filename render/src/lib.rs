@@ -57,7 +57,7 @@ pub use light::{
     bounce::{MeshlessLight, RadiosityRays, RadiosityRig, SourceLighting, SourceRig},
     buried::is_buried,
     components::Components,
-    environment::{Distant, Illumination, LightRig, SceneLighting},
+    environment::{Distant, EnvironmentLight, Illumination, LightRig, SceneLighting},
     implicit::{
         Sides,
         detail::ImplicitDetail,

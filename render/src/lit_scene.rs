@@ -8,8 +8,8 @@ mod posing;
 #[cfg(test)]
 use crate::device::Compute;
 use crate::{
-    Backend, BackendError, Background, Baked, BrdfSampling, CPU, LightRig, LocalLighting, LocalRig, Look, Posing, Post,
-    RenderStats, SceneLighting, Stale, SurfaceLayers, Tier, View,
+    Backend, BackendError, Background, Baked, BrdfSampling, CPU, EnvironmentLight, LightRig, LocalLighting, LocalRig,
+    Look, Posing, Post, RenderStats, Stale, SurfaceLayers, Tier, View,
     light::{drift::Drift, implicit::detail::ImplicitDetail, situation::Situation},
 };
 use lapidary_core::{ground::Ground, image::Image};
@@ -340,7 +340,7 @@ impl<B: Backend + ?Sized> LitScene<B> {
     }
 
     /// The light of the environment, after the first look.
-    pub fn environment(&self) -> Option<&Arc<SceneLighting>> {
+    pub fn environment(&self) -> Option<&Arc<EnvironmentLight>> {
         self.situation.environment.as_ref()
     }
 

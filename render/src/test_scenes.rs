@@ -44,7 +44,6 @@ pub(crate) use mirrors::{
 use std::{
     f32::consts::PI,
     ops::{Deref, DerefMut},
-    sync::Arc,
     time::Instant,
 };
 
@@ -73,7 +72,7 @@ impl<L: Relight> Edited<L> {
     }
 
     pub fn set_environment(&mut self, lighting: Option<SceneLighting>) {
-        self.situation.environment = lighting.map(Arc::new);
+        self.situation.environment = lighting.map(Into::into);
         self.rig.update(&self.situation, Changes { environment: true, ..Changes::NONE });
     }
 

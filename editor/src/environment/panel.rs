@@ -28,7 +28,7 @@ use lapidary_core::{
     light_tree::LightTree,
     texture::ColorSpace,
 };
-use lapidary_render::SceneLighting;
+use lapidary_render::EnvironmentLight;
 use std::sync::Arc;
 
 /// Default elevation of the sun in degrees.
@@ -45,7 +45,7 @@ pub struct EnvironmentContext<'a> {
     /// The light tree of the dataset.
     pub tree: Option<&'a LightTree>,
     /// The tree under the present light, with its illumination cut.
-    pub lighting: Option<&'a Arc<SceneLighting>>,
+    pub lighting: Option<&'a Arc<EnvironmentLight>>,
     /// Changes whenever tree or lighting change.
     pub light_revision: u64,
     /// Whether the rendered scene has no ground, and no scene file to bake one.

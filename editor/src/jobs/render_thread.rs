@@ -9,7 +9,7 @@ mod worker;
 use glam::Vec2;
 use lapidary_core::{dataset::Dataset, image::Image};
 use lapidary_render::{
-    BackendFactory, Baked, ImplicitDetail, LocalLighting, Look, PictureStats, Redo, SceneLighting, Tier,
+    BackendFactory, Baked, EnvironmentLight, ImplicitDetail, LocalLighting, Look, PictureStats, Redo, Tier,
 };
 use lapidary_studies::jobs::{Wake, spawn};
 use std::{
@@ -81,7 +81,7 @@ pub struct RenderedFrame {
     /// Milliseconds of rendering.
     pub millis: f64,
     /// Light of the environment in it.
-    pub lighting: Arc<SceneLighting>,
+    pub lighting: Arc<EnvironmentLight>,
     /// Changes whenever `lighting` does.
     pub light_revision: u64,
     /// Local lights and bounced light in it.

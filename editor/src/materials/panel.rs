@@ -27,7 +27,7 @@ use lapidary_core::{
     parts::Part,
     texture::TextureSlot,
 };
-use lapidary_render::{Post, SceneLighting};
+use lapidary_render::{EnvironmentLight, Post};
 use lobe_plot::LobePlot;
 use patterns::PatternThumbnails;
 use preset_balls::PresetBalls;
@@ -60,7 +60,7 @@ pub struct MaterialContext<'a> {
     pub has_second_uvs: bool,
     pub has_vertex_colors: bool,
     /// The environment's light, if it is in the picture.
-    pub lighting: Option<&'a Arc<SceneLighting>>,
+    pub lighting: Option<&'a Arc<EnvironmentLight>>,
     /// Changes with the light.
     pub light_revision: u64,
 }

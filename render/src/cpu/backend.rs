@@ -11,7 +11,7 @@ use crate::{
     device::DeviceCuts,
     error::BackendError,
     light::{
-        environment::{Illumination, SceneLighting},
+        environment::{EnvironmentLight, Illumination},
         local::LocalLighting,
     },
     post::Post,
@@ -42,9 +42,9 @@ const MANY_RAYS: u32 = 256;
 pub struct CpuBackend {
     renderer: Option<Renderer>,
     /// The environment, for the cuts of the posed scene.
-    light: Option<(Illumination, Arc<SceneLighting>)>,
+    light: Option<(Illumination, Arc<EnvironmentLight>)>,
     /// Its light as it was set.
-    set_light: Option<Arc<SceneLighting>>,
+    set_light: Option<Arc<EnvironmentLight>>,
     local: LocalLighting,
     /// The last remark about too many lights.
     remark: Option<String>,
@@ -86,7 +86,7 @@ impl Begun {
 /// Lighting of a picture with these local lights.
 fn light_of<'a>(
     renderer: Option<&'a Renderer>,
-    environment: Option<&'a (Illumination, Arc<SceneLighting>)>,
+    environment: Option<&'a (Illumination, Arc<EnvironmentLight>)>,
     local: &'a LocalLighting,
     lights: &'a SummedLights,
     mirrored: Option<SeenScene<'a>>,
@@ -96,7 +96,7 @@ fn light_of<'a>(
         Some(DirectLights { lights, intersector })
     };
     PictureLight {
-        environment: environment.map(|(_, lighting)| &**lighting),
+        environment: environment.map(|(_, lighting)| &***lighting),
         emission: local.components.direct,
         bounce: local.shown_bounce(),
         posed: local.posed.as_deref(),
@@ -161,7 +161,7 @@ impl CpuBackend {
     }
 
     /// The environment, if shown.
-    fn shown_environment(&self) -> Option<&(Illumination, Arc<SceneLighting>)> {
+    fn shown_environment(&self) -> Option<&(Illumination, Arc<EnvironmentLight>)> {
         self.light.as_ref().filter(|_| self.local.components.environment)
     }
 }
@@ -201,7 +201,11 @@ impl Backend for CpuBackend {
         Ok(remarks)
     }
 
-    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+    fn set_light(
+        &mut self,
+        light: &Illumination,
+        lighting: &Arc<EnvironmentLight>,
+    ) -> Result<Vec<String>, BackendError> {
         self.light = Some((light.clone(), lighting.clone()));
         self.set_light = Some(lighting.clone());
         self.show_light();

@@ -148,6 +148,22 @@ bind_groups! {
 
     /// Lit cuts as they are written.
     WrittenCuts { lit: Uniform, starts: Storage, whole_light: Storage, offsets: Storage, lit_nodes: Written }
+
+    /// Samples of a turned map.
+    TurnedLeaves {
+        turned: Uniform,
+        starts: Storage,
+        cells: Storage,
+        energy: Storage,
+        plain: Storage,
+        means: Written,
+    }
+
+    /// Means up a tree of lights.
+    TurnedMeans { level: Uniform, means: Written }
+
+    /// The nodes of a tree of distant lights.
+    TurnedNodes { turned: Uniform, means: Storage, plain: Storage, nodes: Written, brightness: Written }
 }
 
 /// What programs of rays from some origins begin with.
@@ -262,7 +278,7 @@ pub const RADIOSITY_PULL: KernelProgram = KernelProgram::new(
 );
 
 /// What kernels of lit cuts begin with.
-const LIT: &[&str] = &["slice", "color", "tree", "cut", "lit_parts"];
+const LIT: &[&str] = &["slice", "color", "node", "tree", "cut", "lit_parts"];
 
 /// How many nodes lit cuts have. Twin of `LitCuts` in core/src/cut/lit.rs.
 pub const LIT_COUNT: KernelProgram =
@@ -271,9 +287,25 @@ pub const LIT_COUNT: KernelProgram =
 pub const LIT_WRITE: KernelProgram =
     KernelProgram::new("lit_write_kernel", [LIT, &["lit_write_kernel"]], &[WrittenCuts::LAYOUT, StoredCuts::LAYOUT]);
 
+/// Radiance of light samples under a turned map. Twin of `EnvironmentSampler::leaf_radiance` in core/src/light_tree/radiance.rs.
+pub const TURNED_LEAVES: KernelProgram = KernelProgram::new(
+    "turned_leaves_kernel",
+    [&["slice", "color", "turned"], &["turned_leaves_kernel"]],
+    &[TurnedLeaves::LAYOUT],
+);
+/// Means up the tree of the samples. Twin of `means_up_the_tree` in core/src/light_tree.rs.
+pub const TURNED_MEANS: KernelProgram =
+    KernelProgram::new("turned_means_kernel", [&["slice", "turned"], &["turned_means_kernel"]], &[TurnedMeans::LAYOUT]);
+/// Its nodes. Twin of `NodeLight::distant` in core/src/light_tree/node_light.rs.
+pub const TURNED_NODES: KernelProgram = KernelProgram::new(
+    "turned_nodes_kernel",
+    [&["slice", "ordered", "color", "node", "turned"], &["turned_nodes_kernel"]],
+    &[TurnedNodes::LAYOUT],
+);
+
 /// Those that run in slices.
 #[cfg(test)]
-pub const SLICED: [KernelProgram; 16] = [
+pub const SLICED: [KernelProgram; 19] = [
     IMPLICIT_UPDATE,
     IMPLICIT_NODES,
     IMPLICIT_WALK,
@@ -290,6 +322,9 @@ pub const SLICED: [KernelProgram; 16] = [
     RADIOSITY_PULL,
     LIT_COUNT,
     LIT_WRITE,
+    TURNED_LEAVES,
+    TURNED_MEANS,
+    TURNED_NODES,
 ];
 
 /// All texts of one compute step.

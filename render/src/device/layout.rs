@@ -182,7 +182,7 @@ pub struct Tables {
     pub albedo: [[f32; 8]; 304],
 }
 
-/// `Node` of `tree.wgsl`.
+/// `Node` of `node.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Node {
@@ -415,6 +415,36 @@ pub struct LitUniforms {
     pub cuts: u32,
     pub tau: f32,
     pub tree_height: u32,
+}
+
+/// `TurnedUniforms` of `turned.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct TurnedUniforms {
+    pub columns: u32,
+    pub shift: u32,
+    pub fraction: f32,
+    pub samples_per_steradian: f32,
+    pub intensity: f32,
+    pub leaves: u32,
+    pub leaf_spread: f32,
+}
+
+/// `Means` of `turned.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Means {
+    pub radiance: [f32; 3],
+    pub luminance_sq: f32,
+    pub weighted: [f32; 3],
+    pub luminance: f32,
+}
+
+/// `MeansUniforms` of `turned_means_kernel.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct MeansUniforms {
+    pub parents: u32,
 }
 
 /// `Display` of `display_pass.wgsl`.

@@ -110,6 +110,7 @@ pub const MERGE: Entry = Entry {
             &[
                 "color",
                 "receiver",
+                "node",
                 "tree",
                 "merged_tree",
                 "octahedron",

@@ -10,7 +10,7 @@ use crate::{
     error::BackendError,
     light::{
         bounce::SourceLighting,
-        environment::{Illumination, SceneLighting},
+        environment::{EnvironmentLight, Illumination, TurnedMap},
         node_row::{NodeExtent, NodeRow},
         sent::{KNOTS, SentByDirection},
         tree_light::TreeLight,
@@ -24,11 +24,39 @@ use lapidary_core::{
 };
 use std::{borrow::Cow, sync::Arc};
 
+/// The light of a tree's nodes.
+#[derive(Clone)]
+pub struct NodeBuffers {
+    pub nodes: wgpu::Buffer,
+    pub brightness: wgpu::Buffer,
+}
+
+impl NodeBuffers {
+    /// Uploads some megabytes.
+    fn uploaded<L>(gpu: &GpuDevice, light: &TreeLight<L>) -> Self {
+        let node = |(row, extent): (&NodeRow, &NodeExtent)| Node {
+            radiance: row.radiance.to_array(),
+            spread: row.spread,
+            place: row.place.to_array(),
+            radius: extent.radius,
+        };
+        let nodes: Vec<Node> = light.rows.iter().zip(&light.extents).map(node).collect();
+        let brightness: Vec<f32> = light.extents.iter().map(|extent| extent.brightness).collect();
+        Self {
+            nodes: storage(gpu, "light of a tree", bytemuck::cast_slice(&nodes)),
+            brightness: storage(gpu, "brightness", bytemuck::cast_slice(&brightness)),
+        }
+    }
+
+    fn under<'a>(&'a self, field: LitField, cuts: &'a GpuCuts, height: u32) -> LitTree<'a> {
+        LitTree { field, cuts, height, nodes: &self.nodes, brightness: &self.brightness }
+    }
+}
+
 /// The light of a tree's nodes, and the lit cuts of a scene over it.
 #[derive(Clone)]
 pub struct GpuTreeLight {
-    pub nodes: wgpu::Buffer,
-    pub brightness: wgpu::Buffer,
+    pub of_nodes: NodeBuffers,
     pub cut: wgpu::TextureView,
     pub lit: GpuLitCuts,
     /// What the nodes send by direction; a texel without.
@@ -49,25 +77,35 @@ impl GpuTreeLight {
         (field, cuts): (LitField, &GpuCuts),
         light: &TreeLight<L>,
     ) -> Result<Self, BackendError> {
-        let node = |(row, extent): (&NodeRow, &NodeExtent)| Node {
-            radiance: row.radiance.to_array(),
-            spread: row.spread,
-            place: row.place.to_array(),
-            radius: extent.radius,
-        };
-        let nodes: Vec<Node> = light.rows.iter().zip(&light.extents).map(node).collect();
-        let nodes = storage(gpu, "light of a tree", bytemuck::cast_slice(&nodes));
-        let brightness: Vec<f32> = light.extents.iter().map(|extent| extent.brightness).collect();
-        let brightness = storage(gpu, "brightness", bytemuck::cast_slice(&brightness));
-        let tree = LitTree { field, cuts, height: light.height(), nodes: &nodes, brightness: &brightness };
+        let of_nodes = NodeBuffers::uploaded(gpu, light);
         Ok(Self {
-            lit: kernels.make(gpu, tree, &light.lit)?,
-            nodes,
-            brightness,
+            lit: kernels.make(gpu, of_nodes.under(field, cuts, light.height()), light.lit.tau())?,
+            of_nodes,
             cut: cut_view(gpu, "illumination cut", &light.cut),
             sent: sent_view(gpu, light.sent.as_deref()),
             sends_by_direction: light.sent.is_some(),
             max_nodes: light.max_nodes,
+        })
+    }
+
+    /// The light of a turned map, whose illumination cut is the root alone.
+    ///
+    /// # Errors
+    /// A lost device.
+    fn turned(
+        gpu: &GpuDevice,
+        kernels: &LitKernels,
+        scene: &GpuScene,
+        (turned, of_nodes): (&TurnedMap, NodeBuffers),
+    ) -> Result<Self, BackendError> {
+        let tree = of_nodes.under(LitField::Environment, &scene.cuts, scene.tree_height);
+        Ok(Self {
+            lit: kernels.make(gpu, tree, turned.gathering.tau)?,
+            of_nodes,
+            cut: cut_view(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
+            sent: sent_view(gpu, None),
+            sends_by_direction: false,
+            max_nodes: turned.gathering.illum_cut,
         })
     }
 
@@ -76,13 +114,7 @@ impl GpuTreeLight {
     /// # Errors
     /// A lost device.
     fn replace_cuts(&mut self, gpu: &GpuDevice, kernels: &LitKernels, scene: &GpuScene) -> Result<(), BackendError> {
-        let tree = LitTree {
-            field: LitField::Environment,
-            cuts: &scene.cuts,
-            height: scene.tree_height,
-            nodes: &self.nodes,
-            brightness: &self.brightness,
-        };
+        let tree = self.of_nodes.under(LitField::Environment, &scene.cuts, scene.tree_height);
         self.lit = kernels.replace(gpu, tree, self.lit.clone())?;
         Ok(())
     }
@@ -91,8 +123,10 @@ impl GpuTreeLight {
     fn dark(gpu: &GpuDevice, height: u32) -> Self {
         let nodes = 2_usize << height;
         Self {
-            nodes: storage(gpu, "no light", &vec![0; nodes * size_of::<Node>()]),
-            brightness: storage(gpu, "no brightness", &vec![0; nodes * size_of::<f32>()]),
+            of_nodes: NodeBuffers {
+                nodes: storage(gpu, "no light", &vec![0; nodes * size_of::<Node>()]),
+                brightness: storage(gpu, "no brightness", &vec![0; nodes * size_of::<f32>()]),
+            },
             lit: GpuLitCuts::none(gpu),
             cut: cut_view(gpu, "no illumination cut", &[pack_node(0, 0.0)]),
             sent: sent_view(gpu, None),
@@ -131,6 +165,8 @@ pub struct GpuLight {
     pub intensity: f32,
     /// The map for sharp lobes.
     pub mirrored: Option<GpuPyramid>,
+    /// Has the illumination cut, if it is not uploaded yet.
+    cut_of: Option<Arc<EnvironmentLight>>,
 }
 
 /// All levels of a map, in an atlas.
@@ -156,7 +192,7 @@ impl GpuPyramid {
 }
 
 impl GpuLight {
-    /// Uploads the light of the environment. What of `before` is the same is kept.
+    /// The light of the environment, with `nodes` if kernels computed them; else it is uploaded. What of `before` is the same is kept.
     ///
     /// # Errors
     /// A lost device.
@@ -164,17 +200,28 @@ impl GpuLight {
         gpu: &GpuDevice,
         kernels: &LitKernels,
         scene: &GpuScene,
-        (light, lighting): (&Illumination, &SceneLighting),
+        (light, lighting, nodes): (&Illumination, &Arc<EnvironmentLight>, Option<NodeBuffers>),
         before: Option<&Self>,
     ) -> Result<Self, BackendError> {
         let before = before.and_then(|before| before.mirrored.as_ref());
-        let mirrored = lighting.lights.mirrored.as_ref();
+        let (tree, cut_of) = match lighting.turned().zip(nodes) {
+            Some(turned) => (GpuTreeLight::turned(gpu, kernels, scene, turned)?, Some(lighting.clone())),
+            None => (GpuTreeLight::new(gpu, kernels, (LitField::Environment, &scene.cuts), &**lighting)?, None),
+        };
         Ok(Self {
-            tree: GpuTreeLight::new(gpu, kernels, (LitField::Environment, &scene.cuts), lighting)?,
+            tree,
             rotation: light.rotation,
             intensity: light.intensity,
-            mirrored: mirrored.map(|map| GpuPyramid::new(gpu, map.pyramid(), before)),
+            mirrored: lighting.pyramid().map(|pyramid| GpuPyramid::new(gpu, &pyramid, before)),
+            cut_of,
         })
+    }
+
+    /// Uploads the illumination cut, for pictures that merge it. It is selected on the cores.
+    pub fn upload_cut(&mut self, gpu: &GpuDevice) {
+        if let Some(lighting) = self.cut_of.take().filter(|_| self.tree.max_nodes > 1) {
+            self.tree.cut = cut_view(gpu, "illumination cut", &lighting.cut);
+        }
     }
 
     /// The same light where a pose replaced other cuts than before.
@@ -192,7 +239,7 @@ impl GpuLight {
 
     /// No light, for a tree of `height`.
     pub fn dark(gpu: &GpuDevice, height: u32) -> Self {
-        Self { tree: GpuTreeLight::dark(gpu, height), rotation: 0.0, intensity: 0.0, mirrored: None }
+        Self { tree: GpuTreeLight::dark(gpu, height), rotation: 0.0, intensity: 0.0, mirrored: None, cut_of: None }
     }
 }
 

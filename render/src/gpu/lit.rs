@@ -1,5 +1,5 @@
 //! Lit cuts on the GPU: two kernels coarsen the cuts whenever the light changes, and those that a pose replaces. Twin of
-//! [`LitCuts`].
+//! [`LitCuts`](lapidary_core::cut::lit::LitCuts).
 //!
 //! The first one counts nodes, so that the buffer is as large as they need, with room for those of replacements; the second one writes
 //! them.
@@ -19,10 +19,7 @@ use crate::{
     error::BackendError,
     remedy::Remedy,
 };
-use lapidary_core::cut::{
-    lit::{DEFAULT_TAU, LitCuts},
-    packed::NODES_PER_TEXEL,
-};
+use lapidary_core::cut::{lit::DEFAULT_TAU, packed::NODES_PER_TEXEL};
 use std::sync::Arc;
 use wgpu::BufferUsages as Usages;
 
@@ -90,14 +87,6 @@ impl LitKernels {
         Ok(Self { count: kernels(&LIT_COUNT)?, write: kernels(&LIT_WRITE)? })
     }
 
-    /// The cuts under the light of their tree, as coarse as `lit` has them; coarser where they would not fit the adapter.
-    ///
-    /// # Errors
-    /// A lost device.
-    pub fn make(&self, gpu: &GpuDevice, tree: LitTree, lit: &LitCuts) -> Result<GpuLitCuts, BackendError> {
-        self.with_tau(gpu, tree, lit.tau())
-    }
-
     /// The same where a pose replaced other cuts than before. What is stored stays lit, and nothing is read back, unless there is no
     /// room for so many.
     ///
@@ -106,12 +95,17 @@ impl LitKernels {
     pub fn replace(&self, gpu: &GpuDevice, tree: LitTree, lit: GpuLitCuts) -> Result<GpuLitCuts, BackendError> {
         let may_be_finer = lit.tau != lit.asked_tau && tree.cuts.others.count == 0;
         if may_be_finer || !lit.has_room_for(tree.cuts) || !self.add_others(gpu, tree, &lit)? {
-            return self.with_tau(gpu, tree, lit.asked_tau);
+            return self.make(gpu, tree, lit.asked_tau);
         }
         Ok(lit)
     }
 
-    fn with_tau(&self, gpu: &GpuDevice, tree: LitTree, asked_tau: f32) -> Result<GpuLitCuts, BackendError> {
+    /// The cuts under the light of their tree, as coarse as `asked_tau` says; coarser where they would not fit the adapter. See
+    /// [`LitCuts`](lapidary_core::cut::lit::LitCuts).
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn make(&self, gpu: &GpuDevice, tree: LitTree, asked_tau: f32) -> Result<GpuLitCuts, BackendError> {
         let GpuCuts { stored, stored_texels, .. } = tree.cuts;
         let (most_texels, limit) = (tree.cuts.most_texels(), gpu.max_storage_bytes());
         let offsets = buffer(gpu, bytes_of_words(most_texels), Usages::empty());

@@ -16,5 +16,6 @@ mod posed;
 mod reflection;
 mod sketch;
 mod textures;
+mod turned;
 mod twin;
 mod wavelet;

@@ -1,11 +1,19 @@
 //! Light of the environment: node radiance on its tree and the illumination cut. An edit of the environment recomputes both.
 
-use crate::light::{mirrored_map::MirroredMap, tree_light::TreeLight};
+mod turned;
+
+pub use turned::EnvironmentLight;
+pub(crate) use turned::{LightSamples, SampledMap, TurnedMap};
+
+use crate::light::{mirrored_map::MirroredMap, situation::Gathering, tree_light::TreeLight};
 use glam::{Quat, Vec3};
 use lapidary_core::{
-    cut::{lit::CutValues, packed::PackedCuts},
+    cut::{
+        lit::{CutValues, DEFAULT_TAU},
+        packed::PackedCuts,
+    },
     environment::{Environment, Sun, SunSettings},
-    light_tree::{EnvironmentSampler, GridEnergy, LightTree, NodeLight},
+    light_tree::{EnvironmentSampler, LightTree, NodeLight},
     lights::{Emission, Light},
 };
 use std::sync::Arc;
@@ -80,28 +88,34 @@ impl SceneLighting {
 
 /// Lights a tree repeatedly and keeps results that do not depend on rotation and intensity.
 pub struct LightRig {
-    tree: LightTree,
-    sampler: EnvironmentSampler,
-    resampled: Option<(Arc<Environment>, GridEnergy)>,
+    samples: Arc<LightSamples>,
+    sampled: Option<Arc<SampledMap>>,
 }
 
 impl LightRig {
     /// Prepares a tree; takes some tenths of a second for 32,768 samples.
     pub fn new(tree: &LightTree) -> Self {
-        let sampler = EnvironmentSampler::new(tree.len());
-        Self { tree: tree.clone(), sampler, resampled: None }
+        let samples = LightSamples { tree: tree.clone(), sampler: EnvironmentSampler::new(tree.len()) };
+        Self { samples: samples.into(), sampled: None }
     }
 
     /// Lights the tree by `light`, with an illumination cut of at most `illum_cut` nodes.
     pub fn lighting(&mut self, light: &Illumination, illum_cut: u32) -> SceneLighting {
-        let sampled = light.sampled();
-        let known = self.resampled.take().filter(|(e, _)| Arc::ptr_eq(e, &sampled));
-        let resample = || (sampled.clone(), self.sampler.grid_energy(&sampled));
-        let (_, energy) = self.resampled.insert(known.unwrap_or_else(resample));
-        let leaves = self.sampler.leaf_radiance(&self.tree, energy, light.rotation, light.intensity);
-        let mut lighting = SceneLighting::new(&self.tree, &leaves, illum_cut);
-        lighting.lights.mirrored = Some(MirroredMap::new(&sampled, light.rotation, light.intensity));
-        lighting
+        self.turned(light, Gathering { illum_cut, tau: DEFAULT_TAU }).lighting()
+    }
+
+    /// The same light for cuts that gather so, computed at its first reader.
+    pub(crate) fn light(&mut self, light: &Illumination, gathering: Gathering) -> EnvironmentLight {
+        EnvironmentLight::new(self.turned(light, gathering))
+    }
+
+    fn turned(&mut self, light: &Illumination, gathering: Gathering) -> TurnedMap {
+        let environment = light.sampled();
+        let known = self.sampled.take().filter(|map| Arc::ptr_eq(&map.environment, &environment));
+        let resample = || SampledMap::new(environment, &self.samples.sampler).into();
+        let map = self.sampled.insert(known.unwrap_or_else(resample)).clone();
+        let (rotation, intensity) = (light.rotation, light.intensity);
+        TurnedMap { samples: self.samples.clone(), map, rotation, intensity, gathering }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The light sources of a scene, and the part of them that an edit changes. [`Redo::between`](crate::Redo::between) finds the
 //! changes once; every rig and solver receives both.
 
-use super::environment::SceneLighting;
+use super::environment::EnvironmentLight;
 use crate::{appearance::Appearance, baked::Baked, device::Compute};
 use glam::Vec3;
 use lapidary_core::{
@@ -21,7 +21,7 @@ pub struct Situation {
     /// Materials and textures, one for each material of the scene.
     pub appearance: Arc<Appearance>,
     /// The environment without its suns.
-    pub environment: Option<Arc<SceneLighting>>,
+    pub environment: Option<Arc<EnvironmentLight>>,
     /// Suns of the environment.
     pub suns: Arc<[Light]>,
     /// Local lights.

@@ -13,7 +13,7 @@ impl SkyGrid {
     /// The environment of a situation, if its visibility is baked.
     pub fn of(situation: &Situation) -> Self {
         let is_baked = situation.scene.dataset.settings.mode.environment();
-        Self::new(situation.environment.as_deref().filter(|_| is_baked))
+        Self::new(situation.environment.as_ref().filter(|_| is_baked).map(|light| &***light))
     }
 
     pub fn new(environment: Option<&SceneLighting>) -> Self {

@@ -87,9 +87,9 @@ impl<B: Backend + ?Sized> LitScene<B> {
             situation.lights = look.lights.clone();
         }
         if changes.environment || changes.gathering {
-            let lighting = self.environment_rig.lighting(&look.illumination, look.illum_cut).with_tau(look.tau);
-            situation.environment = Some(lighting.into());
             situation.gathering = Gathering { illum_cut: look.illum_cut, tau: look.tau };
+            let light = self.environment_rig.light(&look.illumination, situation.gathering);
+            situation.environment = Some(light.into());
             // Suns need an environment with baked visibility.
             let suns = if dataset.settings.mode.environment() { look.illumination.suns() } else { Vec::new() };
             situation.suns = suns.into();

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::{
-    Appearance, Components, CpuBackend, DeviceCuts, Illumination, PictureStats, STRIDES, Solution, Tiles,
+    Appearance, Components, CpuBackend, DeviceCuts, EnvironmentLight, Illumination, PictureStats, STRIDES, Solution,
+    Tiles,
     test_looks::look,
     test_scenes::{from_above, illumination, linked_floor_and_wall, rel_rmse},
 };
@@ -159,7 +160,7 @@ impl Backend for Counting {
         Ok(Vec::new())
     }
 
-    fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+    fn set_light(&mut self, _: &Illumination, _: &Arc<EnvironmentLight>) -> Result<Vec<String>, BackendError> {
         self.lights += 1;
         Ok(Vec::new())
     }

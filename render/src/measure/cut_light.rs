@@ -1,7 +1,10 @@
 //! The two kinds of light that cuts gather.
 
 use crate::{
-    light::{bounce::SourceLighting, environment::SceneLighting},
+    light::{
+        bounce::SourceLighting,
+        environment::{EnvironmentLight, SceneLighting},
+    },
     remedy::{Remedy, Wording},
     shade::node_field::{NodeField, SourceField},
 };
@@ -22,7 +25,7 @@ pub enum CutLight<'a> {
 #[derive(Clone)]
 pub enum GatheredLight {
     /// Light of the environment.
-    Environment(Arc<SceneLighting>),
+    Environment(Arc<EnvironmentLight>),
     /// Light bounced by surface sources.
     Sources(Arc<SourceLighting>),
 }

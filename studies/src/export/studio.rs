@@ -116,7 +116,7 @@ mod tests {
     use super::*;
     use lapidary_core::test_scenes::dataset;
     use lapidary_render::{
-        Appearance, BrdfSampling, DeviceCuts, Illumination, LocalLighting, PictureStats, Post, SceneLighting, View,
+        Appearance, BrdfSampling, DeviceCuts, EnvironmentLight, Illumination, LocalLighting, PictureStats, Post, View,
         test_looks::plain_look,
     };
     use std::{ops::Range, sync::Arc};
@@ -143,7 +143,7 @@ mod tests {
             Ok(Vec::new())
         }
 
-        fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+        fn set_light(&mut self, _: &Illumination, _: &Arc<EnvironmentLight>) -> Result<Vec<String>, BackendError> {
             Ok(Vec::new())
         }
 

@@ -9,12 +9,13 @@ use egui_kittest::{
     kittest::{NodeT, Queryable},
 };
 use lapidary_core::image::Image;
+use lapidary_render::SceneLighting;
 
 struct Probe {
     document: Document,
     library: Vec<LibraryEntry>,
     environment: Arc<Environment>,
-    light: Option<(LightTree, Arc<SceneLighting>)>,
+    light: Option<(LightTree, Arc<EnvironmentLight>)>,
     message: Option<&'static str>,
     panel: EnvironmentPanel,
     actions: Vec<Action>,
@@ -204,7 +205,7 @@ fn formulas_show_their_numbers_and_files_do_not() {
 #[test]
 fn samples_and_cut_are_shown_where_there_is_a_tree() {
     let tree = LightTree::geometric(256).unwrap();
-    let lighting = Arc::new(SceneLighting::new(&tree, &[Vec3::ONE; 256], 4));
+    let lighting = SceneLighting::new(&tree, &[Vec3::ONE; 256], 4).into();
     let mut panel = panel(Probe { light: Some((tree, lighting)), ..probe("studio") });
     let is_enabled = |panel: &Harness<Probe>| !panel.get_by_label("Subtree depth").accesskit_node().is_disabled();
     let place = panel.get_by_label("Light cut").rect();
@@ -221,7 +222,7 @@ fn samples_and_cut_are_shown_where_there_is_a_tree() {
 #[test]
 fn the_pointer_tells_about_a_node() {
     let tree = LightTree::geometric(256).unwrap();
-    let lighting = Arc::new(SceneLighting::new(&tree, &[Vec3::splat(2.0); 256], 256));
+    let lighting = SceneLighting::new(&tree, &[Vec3::splat(2.0); 256], 256).into();
     let mut panel = panel(Probe { light: Some((tree.clone(), lighting)), ..probe("studio") });
     let rect = panel.get_by_label("Environment map").rect();
     let leaf = lapidary_core::environment::uv_from_direction(tree.leaf_directions()[77]);

@@ -5,7 +5,7 @@
 
 use glam::{Vec2, Vec3};
 use lapidary_core::{material::Material, texture::Texture};
-use lapidary_render::{Appearance, SceneLighting, SurfacePlace, UnoccludedShader};
+use lapidary_render::{Appearance, EnvironmentLight, SurfacePlace, UnoccludedShader};
 use std::{
     f32::consts::{PI, TAU},
     sync::Arc,
@@ -26,7 +26,7 @@ pub struct Ball {
     /// Textures of the material's maps; if one is missing, the material is shown without maps, as in the renderer.
     pub textures: Vec<Arc<Texture>>,
     /// The light.
-    pub lighting: Arc<SceneLighting>,
+    pub lighting: Arc<EnvironmentLight>,
 }
 
 /// A pixel of the ball: scene-linear radiance and how much of the pixel the ball covers.

@@ -143,7 +143,7 @@ mod tests {
 
     fn ball() -> Ball {
         let tree = LightTree::geometric(64).unwrap();
-        let lighting = Arc::new(SceneLighting::new(&tree, &[Vec3::ONE; 64], 16));
+        let lighting = SceneLighting::new(&tree, &[Vec3::ONE; 64], 16).into();
         Ball { material: Material::default(), textures: Vec::new(), lighting }
     }
 

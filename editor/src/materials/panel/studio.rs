@@ -2,7 +2,7 @@
 
 use lapidary_core::light_tree::LightTree;
 use lapidary_interchange::environment;
-use lapidary_render::{Illumination, LightRig, SceneLighting};
+use lapidary_render::{EnvironmentLight, Illumination, LightRig};
 use std::sync::{Arc, OnceLock};
 
 /// Samples of the studio's light, and most nodes of its cut: its lamps are large.
@@ -12,17 +12,17 @@ const CUT: u32 = 256;
 const INTENSITY: f32 = 0.6;
 
 /// The studio under which the ball stands. Made at the first use, in some hundredths of a second.
-pub fn light() -> Option<Arc<SceneLighting>> {
-    static LIGHT: OnceLock<Option<Arc<SceneLighting>>> = OnceLock::new();
+pub fn light() -> Option<Arc<EnvironmentLight>> {
+    static LIGHT: OnceLock<Option<Arc<EnvironmentLight>>> = OnceLock::new();
     LIGHT.get_or_init(make).clone()
 }
 
-fn make() -> Option<Arc<SceneLighting>> {
+fn make() -> Option<Arc<EnvironmentLight>> {
     let tree = LightTree::geometric(LIGHTS).ok()?;
     let (environment, _) = environment::from_spec("studio").ok()?;
     let illumination =
         Illumination { environment: Arc::new(environment), rotation: 0.0, intensity: INTENSITY, sun: None };
-    Some(Arc::new(LightRig::new(&tree).lighting(&illumination, CUT)))
+    Some(LightRig::new(&tree).lighting(&illumination, CUT).into())
 }
 
 #[cfg(test)]

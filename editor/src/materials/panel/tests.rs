@@ -17,6 +17,7 @@ use lapidary_core::{
     material::{BrdfModel, MaterialMaps, PRESETS},
     texture::{Channel, Pattern, Procedural, Texels, Texture},
 };
+use lapidary_render::SceneLighting;
 use std::{
     path::{Path, PathBuf},
     thread,
@@ -30,7 +31,7 @@ struct App {
     part: Option<Part>,
     parts: Vec<Part>,
     ground: Option<usize>,
-    lighting: Option<Arc<SceneLighting>>,
+    lighting: Option<Arc<EnvironmentLight>>,
     actions: Vec<Action>,
 }
 
@@ -471,7 +472,7 @@ fn nothing_selected_and_nothing_open_are_no_errors() {
 #[test]
 fn the_preview_arrives_and_the_panel_comes_to_rest() {
     let tree = LightTree::geometric(64).unwrap();
-    let lighting = Arc::new(SceneLighting::new(&tree, &[Vec3::ONE; 64], 16));
+    let lighting: Arc<EnvironmentLight> = SceneLighting::new(&tree, &[Vec3::ONE; 64], 16).into();
     for light in [Some(lighting), None] {
         let lit_by = light.as_ref().map_or("a studio", |_| "the environment");
         let mut harness = harness(|app| app.lighting = light);

@@ -9,16 +9,9 @@ use crate::{
     baked::Baked,
     device::{Compute, DeviceCuts, kernels::REPLACED_CUTS, pass::Pass, storage},
     error::BackendError,
-    gpu::{
-        frame::in_mirrors,
-        light::{GpuLight, scaled_map},
-        materials::GpuMaterials,
-        passes::check,
-        posed,
-        scene::GpuScene,
-    },
+    gpu::{frame::in_mirrors, light::scaled_map, materials::GpuMaterials, passes::check, posed, scene::GpuScene},
     light::{
-        environment::{Illumination, SceneLighting},
+        environment::{EnvironmentLight, Illumination},
         local::LocalLighting,
     },
     post::Post,
@@ -118,15 +111,17 @@ impl Backend for GpuBackend {
         Ok(messages)
     }
 
-    fn set_light(&mut self, light: &Illumination, lighting: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+    fn set_light(
+        &mut self,
+        light: &Illumination,
+        lighting: &Arc<EnvironmentLight>,
+    ) -> Result<Vec<String>, BackendError> {
         let Self { pipelines, shown, progress } = self;
         let (gpu, environment) = (pipelines.gpu(), &mut shown.environment);
         let known = environment.light.as_ref().is_some_and(|(_, e)| Arc::ptr_eq(e, &light.environment));
         progress.picture = None;
         let Some(Loaded { scene, .. }) = &shown.scene else { return Ok(Vec::new()) };
-        let before = environment.light.as_ref().map(|(before, _)| before);
-        let lit = GpuLight::new(gpu, &pipelines.passes.lit, scene, (light, lighting), before)?;
-        environment.light = Some((lit, light.environment.clone()));
+        environment.set(pipelines, scene, (light, lighting))?;
         gpu.check()?;
         let message = scaled_map(&light.environment, gpu.limits.max_texture_dimension_2d);
         Ok(message.filter(|_| !known).into_iter().collect())

@@ -102,7 +102,7 @@ impl GpuBackend {
     pub(super) fn prepared(&mut self, view: &View, sampling: BrdfSampling) -> Result<Picture, BackendError> {
         let Self { pipelines, shown, progress } = self;
         progress.make_room(pipelines.gpu(), view.size);
-        let catches = shown.upload(pipelines, view)?;
+        let catches = shown.upload(pipelines, view, sampling)?;
         let mirrors = shown.prepare_mirrors(pipelines, view, sampling);
         progress.set_parts(
             pipelines.gpu(),

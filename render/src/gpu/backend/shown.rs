@@ -18,15 +18,19 @@ use crate::{
         direct::DirectLights,
         frame::{ShownLight, frame},
         groups::Light,
-        light::{GpuLight, GpuMap, GpuTreeLight},
+        light::{GpuLight, GpuMap, GpuTreeLight, NodeBuffers},
         materials::GpuMaterials,
         passes::{MergeVariant, PartPass},
         picture_rays::PictureRays,
         scene::{GpuCuts, GpuScene},
         shadows::Plan,
         targets::Targets,
+        turned::GpuSamples,
     },
-    light::local::LocalLighting,
+    light::{
+        environment::{EnvironmentLight, Illumination, TurnedMap},
+        local::LocalLighting,
+    },
     sampling::BrdfSampling,
     shade::{
         background::caught_per_radiance,
@@ -75,9 +79,56 @@ pub struct Loaded {
 pub struct ShownEnvironment {
     /// As it was set, whether it is shown or not.
     pub light: Option<(GpuLight, Arc<Environment>)>,
+    /// What kernels light, once there was a map for the scene, unless they failed.
+    samples: Option<GpuSamples>,
+    kernels_failed: bool,
     /// Stands in where none is shown; made for the scene.
     dark: Option<(GpuLight, Arc<Environment>)>,
     map: Option<GpuMap>,
+}
+
+impl ShownEnvironment {
+    /// Lights a scene. Kernels compute the light of a map, or the cores where those fail.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn set(
+        &mut self,
+        pipelines: &Pipelines,
+        scene: &GpuScene,
+        (light, lighting): (&Illumination, &Arc<EnvironmentLight>),
+    ) -> Result<(), BackendError> {
+        let nodes = lighting.turned().and_then(|turned| self.turned(pipelines, turned));
+        let (before, passes) = (self.light.as_ref().map(|(before, _)| before), &pipelines.passes);
+        let lit = GpuLight::new(pipelines.gpu(), &passes.lit, scene, (light, lighting, nodes), before)?;
+        self.light = Some((lit, light.environment.clone()));
+        Ok(())
+    }
+
+    /// The nodes under a map by kernels, which are not tried again after a failure. Where they are emulated, the cores are faster: 16 ms
+    /// in place of 170 for 32,768 samples. Tests take them there, too.
+    fn turned(&mut self, pipelines: &Pipelines, turned: &TurnedMap) -> Option<NodeBuffers> {
+        if self.kernels_failed || pipelines.device.is_emulated() && !cfg!(test) {
+            return None;
+        }
+        let nodes = self.try_turned(pipelines, turned).ok();
+        self.kernels_failed = nodes.is_none();
+        nodes
+    }
+
+    fn try_turned(
+        &mut self,
+        Pipelines { device, shaders, .. }: &Pipelines,
+        turned: &TurnedMap,
+    ) -> Result<NodeBuffers, BackendError> {
+        let mut samples = match self.samples.take().filter(|known| known.is_of(&turned.samples)) {
+            Some(known) => known,
+            None => GpuSamples::new(device, shaders, &turned.samples)?,
+        };
+        let nodes = samples.light(&device.gpu, turned)?;
+        self.samples = Some(samples);
+        Ok(nodes)
+    }
 }
 
 impl Loaded {
@@ -111,7 +162,8 @@ impl Shown {
     pub fn set_scene(&mut self, loaded: Loaded) {
         self.scene = Some(loaded);
         self.forget_light();
-        (self.environment.light, self.environment.dark) = (None, None);
+        let map = self.environment.map.take();
+        self.environment = ShownEnvironment { map, ..Default::default() };
         self.bounce = GpuBounce::default();
     }
 
@@ -146,8 +198,16 @@ impl Shown {
     ///
     /// # Errors
     /// A lost device.
-    pub fn upload(&mut self, pipelines: &Pipelines, view: &View) -> Result<Option<Vec3>, BackendError> {
+    pub fn upload(
+        &mut self,
+        pipelines: &Pipelines,
+        view: &View,
+        sampling: BrdfSampling,
+    ) -> Result<Option<Vec3>, BackendError> {
         let (gpu, Loaded { scene, .. }) = (pipelines.gpu(), self.scene.as_ref().expect("there is a scene"));
+        if let Some((light, _)) = self.environment.light.as_mut().filter(|_| sampling != BrdfSampling::Lit) {
+            light.upload_cut(gpu);
+        }
         self.bounce.upload(gpu, &pipelines.passes.lit, scene)?;
         if self.shown_environment().is_none() && self.environment.dark.is_none() {
             let map = Image::filled([1, 1], Vec3::ZERO);
@@ -308,8 +368,8 @@ impl Shown {
 /// A tree of lights and the cuts over it.
 fn bound(gpu: &GpuDevice, tree: &GpuTreeLight, cuts: &GpuCuts) -> wgpu::BindGroup {
     let light = Light {
-        nodes: &tree.nodes,
-        brightness: &tree.brightness,
+        nodes: &tree.of_nodes.nodes,
+        brightness: &tree.of_nodes.brightness,
         visibility_cuts: &cuts.view,
         illumination_cut: &tree.cut,
         lit_nodes: &tree.lit.nodes,

@@ -3,8 +3,8 @@
 
 use super::twin::{agrees, backend, difference, in_bands, on_the_cpu};
 use crate::{
-    Appearance, Backend, Background, BounceLight, BrdfSampling, Components, Illumination, LocalLighting, Renderer,
-    SceneLighting, SourceRig, View, ViewMode,
+    Appearance, Backend, Background, BounceLight, BrdfSampling, Components, EnvironmentLight, Illumination,
+    LocalLighting, Renderer, SourceRig, View, ViewMode,
     gpu::GpuBackend,
     shade::painter::PictureLight,
     test_scenes::{Edited, floor_and_wall, illumination, point_light},
@@ -25,7 +25,7 @@ pub(super) struct Rig {
     renderer: Renderer,
     pub gpu: GpuBackend,
     sources: Edited<SourceRig>,
-    environment: Arc<SceneLighting>,
+    environment: Arc<EnvironmentLight>,
     bounce: BounceLight,
     _one: MutexGuard<'static, ()>,
 }
@@ -46,7 +46,7 @@ impl Rig {
         let parameters = GgxParameters { roughness, metalness: 0.3, ..Default::default() };
         dataset.scene.materials[0] = Material { model, parameters: parameters.into(), ..Default::default() };
         let renderer = Renderer::new(dataset);
-        let environment = Arc::new(renderer.lighting(&light(), 64));
+        let environment = renderer.lighting(&light(), 64).into();
         gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
         gpu.set_light(&light(), &environment).unwrap();
         let baked = renderer.dataset().clone().into();
@@ -73,7 +73,7 @@ impl Rig {
 
     fn on_cpu(&self, view: &View, components: Components, sampling: BrdfSampling) -> Image {
         let light = PictureLight {
-            environment: Some(&*self.environment).filter(|_| components.environment),
+            environment: Some(&**self.environment).filter(|_| components.environment),
             bounce: Some(&self.bounce).filter(|_| components.indirect),
             ..Default::default()
         };

@@ -2,8 +2,8 @@
 
 use super::twin::{agrees, appearance, backend, difference, maps, on_the_cpu, parameters, scene, view};
 use crate::{
-    Backend, BrdfSampling, Components, LocalLighting, Renderer, ViewMode, shade::painter::PictureLight,
-    test_scenes::illumination,
+    Backend, BrdfSampling, Components, EnvironmentLight, LocalLighting, Renderer, ViewMode,
+    shade::painter::PictureLight, test_scenes::illumination,
 };
 use glam::Vec3;
 use lapidary_core::{
@@ -64,7 +64,7 @@ fn mirrors_agree_and_read_the_map() {
     for size in [[37, 20], [3, 1]] {
         let sky = illumination(size, |x, y| Vec3::new(0.3, (x % 3) as f32, (y % 2) as f32 + 0.1));
         let sky = crate::Illumination { rotation: 0.7, intensity: 1.3, ..sky };
-        let lighting = Arc::new(renderer.lighting(&sky, 64));
+        let lighting: Arc<EnvironmentLight> = renderer.lighting(&sky, 64).into();
         let mut blurred = (*lighting).clone();
         blurred.lights.mirrored = None;
         for (model, parameters) in [

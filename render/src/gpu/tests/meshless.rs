@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     Appearance, Backend, Background, Baked, BasisView, BounceLight, BrdfSampling, Components, CpuBackend,
-    LocalLighting, LocalRig, Post, Renderer, SceneLighting, Solution, View, ViewMode,
+    EnvironmentLight, LocalLighting, LocalRig, Post, Renderer, Solution, View, ViewMode,
     gpu::GpuBackend,
     light::{
         bounce::{MeshlessLight, VerticesAsBaked, meshless::functions::tests::with_functions_of_objects},
@@ -34,7 +34,7 @@ use std::sync::{Arc, MutexGuard};
 pub(super) struct Rig {
     renderer: Renderer,
     pub gpu: GpuBackend,
-    environment: Arc<SceneLighting>,
+    environment: Arc<EnvironmentLight>,
     meshless: Arc<MeshlessLight>,
     _one: MutexGuard<'static, ()>,
 }
@@ -88,7 +88,7 @@ impl Rig {
     pub fn new() -> Option<Self> {
         let (one, mut gpu) = backend()?;
         let renderer = Renderer::new(scene_with_basis());
-        let environment = Arc::new(renderer.lighting(&light(), 64));
+        let environment = renderer.lighting(&light(), 64).into();
         gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
         gpu.set_light(&light(), &environment).unwrap();
         let meshless = meshless_light(renderer.dataset());

@@ -198,6 +198,21 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("FanHit", shape!(layout::FanHit, triangle, distance, barycentric)),
         ("RayOrigin", shape!(layout::RayOrigin, origin, height, normal, is_above)),
         ("LitUniforms", shape!(layout::LitUniforms, cuts, tau, tree_height)),
+        (
+            "TurnedUniforms",
+            shape!(
+                layout::TurnedUniforms,
+                columns,
+                shift,
+                fraction,
+                samples_per_steradian,
+                intensity,
+                leaves,
+                leaf_spread
+            ),
+        ),
+        ("Means", shape!(layout::Means, radiance, luminance_sq, weighted, luminance)),
+        ("MeansUniforms", shape!(layout::MeansUniforms, parents)),
         ("Slice", (vec![("first".into(), 0)], size_of::<u32>() as u32)),
         ("Disc", shape!(layout::Disc, position, area, normal, padding)),
         ("Block", shape!(Block, center, axis, coherence, area, radius, thickness, cone_cos, cone_sin, below)),

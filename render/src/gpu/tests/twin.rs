@@ -3,8 +3,8 @@
 
 use super::inexact;
 use crate::{
-    Appearance, Backend, BackendError, Background, BrdfSampling, CpuBackend, Illumination, Post, Renderer,
-    SceneLighting, ToneMap, View, ViewMode,
+    Appearance, Backend, BackendError, Background, BrdfSampling, CpuBackend, EnvironmentLight, Illumination, Post,
+    Renderer, ToneMap, View, ViewMode,
     device::{
         layout::Vertex,
         test_adapter::{on_adapter, shared_device},
@@ -223,7 +223,7 @@ fn settings(model: BrdfModel, case: u64) -> Parameters {
 pub(super) struct Rig {
     pub renderer: Renderer,
     pub gpu: GpuBackend,
-    lighting: Arc<SceneLighting>,
+    lighting: Arc<EnvironmentLight>,
     _one: MutexGuard<'static, ()>,
 }
 
@@ -239,7 +239,7 @@ impl Rig {
     pub fn with(source: &ShaderSource, dataset: Arc<Dataset>, illum_cut: u32) -> Option<Self> {
         let (one, mut gpu) = backend_of(source)?;
         let renderer = Renderer::new(dataset);
-        let lighting = Arc::new(renderer.lighting(&light(), illum_cut));
+        let lighting = renderer.lighting(&light(), illum_cut).into();
         gpu.set_scene(&renderer.dataset().clone().into()).unwrap();
         gpu.set_light(&light(), &lighting).unwrap();
         Some(Self { renderer, gpu, lighting, _one: one })
@@ -395,7 +395,7 @@ fn lit_cuts_have_as_many_nodes_as_on_the_cpu_for_every_tau() {
     rig.look(appearance(&dataset, BrdfModel::Ggx, parameters(0.3, 0.0), MaterialMaps::default()));
     let mut means = Vec::new();
     for tau in [0.0, 0.003, 0.1, 1.0] {
-        rig.lighting = Arc::new(rig.renderer.lighting(&light(), 1).with_tau(tau));
+        rig.lighting = rig.renderer.lighting(&light(), 1).with_tau(tau).into();
         rig.gpu.set_light(&light(), &rig.lighting).unwrap();
         for mode in [ViewMode::Shaded, ViewMode::MergedCut] {
             let [gpu, cpu] = rig.both(&view(mode), BrdfSampling::Lit);

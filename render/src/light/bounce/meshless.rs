@@ -10,7 +10,7 @@ use crate::{
     appearance::narrowest_lobe,
     baked::Baked,
     light::{
-        environment::SceneLighting,
+        environment::EnvironmentLight,
         situation::{Changes, Relight, Situation},
     },
 };
@@ -130,7 +130,7 @@ impl Relight for MeshlessRig {
         }
         if changes.environment {
             let senders = bake(&self.dataset).basis.sender_points();
-            let shine = |lighting: &Arc<SceneLighting>| environment_irradiance_of(senders, &self.dataset, lighting);
+            let shine = |lighting: &Arc<EnvironmentLight>| environment_irradiance_of(senders, &self.dataset, lighting);
             self.environment = situation.environment.as_ref().map(shine);
         }
         if changes.relight() {

@@ -3,8 +3,8 @@
 
 use super::*;
 use crate::{
-    Appearance, Backend, BounceLight, BrdfSampling, Components, CpuBackend, Illumination, LocalLighting, Renderer,
-    View, ViewMode,
+    Appearance, Backend, BounceLight, BrdfSampling, Components, CpuBackend, EnvironmentLight, Illumination,
+    LocalLighting, Renderer, View, ViewMode,
     shade::surface::Surfaces,
     test_scenes::{
         Edited, LIGHTS, SIDE_LOG2, SOURCES, WALL, floor_and_wall, from_above, from_the_side, illumination, light,
@@ -276,7 +276,7 @@ fn parts_are_shown_alone_and_add_up_and_without_sources_there_is_no_bounce() {
     let dataset = Arc::new(floor_and_wall(6));
     let mut rig = sources_of(&dataset.clone().into());
     let light = illumination([64, 32], |x, _| Vec3::splat(0.1 * x as f32));
-    let lighting = Arc::new(Renderer::new(dataset.clone()).lighting(&light, 64));
+    let lighting: Arc<EnvironmentLight> = Renderer::new(dataset.clone()).lighting(&light, 64).into();
     rig.set_environment(Some((*lighting).clone()));
     let bounce = Some(BounceLight::Sources(Arc::new(rig.lighting(64))));
     let mut backend = CpuBackend::new();

@@ -42,7 +42,7 @@ fn picture(dataset: &Dataset, view: &View, light: &Illumination) -> Image {
 fn on_the_ground(rig: &mut LightRig, light: &Illumination) -> f64 {
     let lighting = rig.lighting(light, 16);
     let leaves = lighting.nodes.radiance.len() / 2;
-    let directions = rig.tree.leaf_directions().iter();
+    let directions = rig.samples.tree.leaf_directions().iter();
     let sampled = directions.zip(&lighting.nodes.radiance[leaves..]).map(|(d, l)| f64::from(d.y.max(0.0) * l.x));
     let of_suns = light.suns().into_iter().map(|sun| f64::from(-sun.forward().unwrap().y.min(0.0) * sun.intensity.x));
     sampled.sum::<f64>() * f64::from(lighting.lights.leaf_solid_angle) + of_suns.sum::<f64>()

@@ -92,7 +92,7 @@ impl Backend for Fake {
         Ok(Vec::new())
     }
 
-    fn set_light(&mut self, _: &Illumination, _: &Arc<SceneLighting>) -> Result<Vec<String>, BackendError> {
+    fn set_light(&mut self, _: &Illumination, _: &Arc<EnvironmentLight>) -> Result<Vec<String>, BackendError> {
         self.log.lock().unwrap().lights += 1;
         Ok(Vec::new())
     }

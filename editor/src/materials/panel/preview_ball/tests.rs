@@ -5,13 +5,14 @@ use lapidary_core::{
     material::{BrdfModel, MaterialMaps},
     texture::{Texels, TextureSlot},
 };
+use lapidary_render::SceneLighting;
 
 const LEAVES: usize = 4096;
 
 fn ball(material: Material, radiance: impl Fn(Vec3) -> Vec3) -> Ball {
     let tree = LightTree::geometric(LEAVES).unwrap();
     let leaves: Vec<Vec3> = tree.leaf_directions().iter().map(|&d| radiance(d)).collect();
-    Ball { material, textures: Vec::new(), lighting: Arc::new(SceneLighting::new(&tree, &leaves, 128)) }
+    Ball { material, textures: Vec::new(), lighting: SceneLighting::new(&tree, &leaves, 128).into() }
 }
 
 fn lambert(base_color: Vec3) -> Material {
