@@ -49,7 +49,7 @@ fn gathered(leaf: u32, lane: u32) -> Gathered {
         let node = views[cells * leaf + cell];
         if node != EMPTY {
             sum.nodes += radiance[node].xyz;
-        } else if uniforms.is_first != 0u {
+        } else if uniforms.sends == SENDS_EMISSION {
             sum.sky += sky[octahedron_cell(world_from_frame(frame, directions[cell].xyz))].xyz;
         }
     }
@@ -57,7 +57,7 @@ fn gathered(leaf: u32, lane: u32) -> Gathered {
 }
 
 fn add(leaf: u32, of_nodes: vec3<f32>, of_sky: vec3<f32>) {
-    if uniforms.is_first != 0u {
+    if uniforms.sends == SENDS_EMISSION {
         let direct = of_nodes + of_sky;
         light[leaf] = LeafIrradiance(of_sky, direct, vec3(0.0), direct + lighting[leaf].received);
     } else {

@@ -29,12 +29,6 @@ struct CutUniforms {
     more_padding: vec2<u32>,
 }
 
-// A leaf beside a vertex.
-struct LeafBeside {
-    leaf: u32,
-    weight: f32,
-}
-
 @group(1) @binding(0) var<uniform> cuts: CutUniforms;
 @group(1) @binding(1) var<storage, read> discs: array<Disc>;
 // Visible node in each cell of each leaf.

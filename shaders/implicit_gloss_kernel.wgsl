@@ -15,16 +15,6 @@ struct GlossUniforms {
     padding: u32,
 }
 
-// Radiance toward the eye.
-struct Reflected {
-    sky: vec3<f32>,
-    // 0 for a leaf that faces away from the eye.
-    faces_eye: u32,
-    leaves: vec3<f32>,
-    // Irradiance from the leaves that it sees.
-    irradiance: vec3<f32>,
-}
-
 @group(1) @binding(0) var<uniform> uniforms: GlossUniforms;
 @group(1) @binding(4) var<storage, read> discs: array<Disc>;
 // Visible node in each cell of each leaf.
@@ -34,14 +24,15 @@ struct Reflected {
 @group(1) @binding(7) var<storage, read> sent: array<vec4<f32>>;
 // Radiance of the sky by cell of an octahedron.
 @group(1) @binding(8) var<storage, read> sky: array<vec4<f32>>;
+// Of all leaves; those that are not glossy stay as they are.
 @group(1) @binding(9) var<storage, read_write> reflected: array<Reflected>;
 
 var<workgroup> sums: array<Reflected, LANES>;
 
 @compute @workgroup_size(64)
 fn reflect_leaves(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let leaf = workgroup_number(group);
-    sums[lane] = reflected_by(leaf, lane);
+    let number = workgroup_number(group);
+    sums[lane] = reflected_by(number, lane);
     for (var half = LANES / 2u; half > 0u; half /= 2u) {
         workgroupBarrier();
         if lane < half {
@@ -51,7 +42,7 @@ fn reflect_leaves(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoca
         }
     }
     if lane == 0u {
-        reflected[leaf] = sums[0];
+        reflected[materials[number].leaf] = sums[0];
     }
 }
 

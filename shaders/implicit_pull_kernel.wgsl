@@ -37,6 +37,13 @@ fn pull(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 // Radiance that a leaf sends.
 fn sent(leaf: u32) -> vec3<f32> {
-    let reflected = light[leaf].last * lighting[leaf].reflectance * FRAC_1_PI;
-    return select(reflected, lighting[leaf].emitted, uniforms.is_first != 0u);
+    if uniforms.sends == SENDS_EMISSION {
+        return lighting[leaf].emitted;
+    }
+    let reflectance = lighting[leaf].reflectance;
+    if uniforms.sends == SENDS_LAST {
+        return light[leaf].last * reflectance * FRAC_1_PI;
+    }
+    let arriving = lighting[leaf].received + light[leaf].direct + light[leaf].bounced;
+    return arriving * reflectance * FRAC_1_PI + lighting[leaf].emitted;
 }

@@ -5,11 +5,16 @@ const FRAC_1_PI: f32 = 0.318309886;
 struct LightUniforms {
     // Cosine and sine of the frames' rotation.
     turn: vec2<f32>,
-    // Whether to gather emission and sky rather than a bounce.
-    is_first: u32,
+    // What leaves send, as the constants below tell. With emission the sky is gathered, too.
+    sends: u32,
     // Cells along one edge of a leaf's square.
     side: u32,
 }
+
+// The light of the last bounce; what they emit; all that a picture shows of them.
+const SENDS_LAST: u32 = 0u;
+const SENDS_EMISSION: u32 = 1u;
+const SENDS_ALL: u32 = 2u;
 
 struct LeafLighting {
     // 0 to 1 per channel.

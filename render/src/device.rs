@@ -35,8 +35,10 @@ pub(crate) use box_hierarchy::BoxHierarchy;
 pub(crate) use buffers::{storage, uniform, written};
 pub use compute::{AdapterFacts, Compute, SharedDevice};
 pub(crate) use fans::GpuFans;
-pub(crate) use implicit::{CutRequest, CutTables, GlossRequest, GlossTable, LeafLobes};
-pub use implicit::{DeviceCuts, ForestTimes, GpuForest, GpuImplicit, ReflectedLight, SeenLight};
+pub(crate) use implicit::{
+    CutRequest, CutTables, GlossRequest, GlossTable, LeafLobes, LeavesBeside, VertexPlanes, VertexRequest,
+};
+pub use implicit::{DeviceCuts, ForestTimes, GpuForest, GpuImplicit, SeenLight};
 pub(crate) use kernel::Kernel;
 pub(crate) use models::ModelSet;
 pub(crate) use radiosity::GpuRadiosity;

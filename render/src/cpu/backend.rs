@@ -12,6 +12,7 @@ use crate::{
     error::BackendError,
     light::{
         environment::{EnvironmentLight, Illumination},
+        implicit::PosedLighting,
         local::LocalLighting,
     },
     post::Post,
@@ -95,12 +96,13 @@ fn light_of<'a>(
         let intersector = renderer.filter(|_| !lights.is_empty())?.intersector();
         Some(DirectLights { lights, intersector })
     };
+    let posed = local.posed.as_deref().map(PosedLighting::known);
     PictureLight {
         environment: environment.map(|(_, lighting)| &***lighting),
         emission: local.components.direct,
         bounce: local.shown_bounce(),
-        posed: local.posed.as_deref(),
-        posed_bounce: local.posed.as_deref().filter(|_| local.components.indirect),
+        posed,
+        posed_bounce: posed.filter(|_| local.components.indirect),
         local: shown(&lights.direct),
         added: shown(&lights.added),
         mirrored,

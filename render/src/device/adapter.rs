@@ -5,6 +5,7 @@ use super::cache::PipelineCache;
 use crate::{error::BackendError, remedy::Remedy};
 use std::{
     collections::HashMap,
+    fmt,
     path::Path,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
     thread::ThreadId,
@@ -29,6 +30,12 @@ struct Troubles {
     lost: Option<String>,
     /// The first error of each thread since it asked: the driver tells it to the one whose call it was.
     errors: HashMap<ThreadId, String>,
+}
+
+impl fmt::Debug for GpuDevice {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_tuple("GpuDevice").field(&self.info.name).finish()
+    }
 }
 
 /// How much room to ask for.
@@ -70,6 +77,11 @@ impl GpuDevice {
         report_troubles(&device, &troubles);
         let pipelines = folder.and_then(|folder| PipelineCache::open(&device, &info, folder));
         Ok(Self { device, queue, limits, info, pipelines, troubles })
+    }
+
+    /// Whether both are of the same device.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.troubles, &other.troubles)
     }
 
     /// Waits for all submitted work.

@@ -8,20 +8,21 @@ mod cuts;
 mod forest;
 mod gloss;
 mod light;
+mod vertices;
 
 pub use cuts::{CutRequest, CutTables, DeviceCuts};
 pub use forest::GpuForest;
-pub use gloss::ReflectedLight;
 pub(crate) use gloss::{GlossRequest, GlossTable, LeafLobes};
 pub use light::SeenLight;
+pub(crate) use vertices::{LeavesBeside, VertexPlanes, VertexRequest};
 
 use super::{
     adapter::GpuDevice,
     compute::SharedDevice,
     kernel::Kernel,
     kernels::{
-        IMPLICIT_BOUNCE, IMPLICIT_CUTS_COUNT, IMPLICIT_CUTS_WRITE, IMPLICIT_NODES, IMPLICIT_PULL, IMPLICIT_UPDATE,
-        IMPLICIT_WALK, REPLACED_CUTS,
+        IMPLICIT_BOUNCE, IMPLICIT_CUTS_COUNT, IMPLICIT_CUTS_WRITE, IMPLICIT_LEAVES, IMPLICIT_NODES, IMPLICIT_PULL,
+        IMPLICIT_UPDATE, IMPLICIT_VERTICES, IMPLICIT_WALK, REPLACED_CUTS,
     },
 };
 use crate::error::BackendError;
@@ -42,6 +43,8 @@ struct Kernels {
     walk: Arc<Kernel>,
     pull: Arc<Kernel>,
     bounce: Arc<Kernel>,
+    leaves: Arc<Kernel>,
+    vertices: Arc<Kernel>,
     cuts_count: Arc<Kernel>,
     cuts_write: Arc<Kernel>,
 }
@@ -73,6 +76,8 @@ impl GpuImplicit {
             walk: device.kernel(&IMPLICIT_WALK)?,
             pull: device.kernel(&IMPLICIT_PULL)?,
             bounce: device.kernel(&IMPLICIT_BOUNCE)?,
+            leaves: device.kernel(&IMPLICIT_LEAVES)?,
+            vertices: device.kernel(&IMPLICIT_VERTICES)?,
             cuts_count: device.kernel(&IMPLICIT_CUTS_COUNT)?,
             cuts_write: device.kernel(&IMPLICIT_CUTS_WRITE)?,
         };

@@ -99,6 +99,27 @@ bind_groups! {
         reflected: Written,
     }
 
+    /// Light of leaves as vertices take it.
+    ValuedLeaves {
+        uniforms: Uniform,
+        lighting: Storage,
+        light: Storage,
+        reflected: Storage,
+        open: Storage,
+        values: Written,
+    }
+
+    /// Light of vertices from that of the leaves beside them.
+    LitVertices {
+        uniforms: Uniform,
+        values: Storage,
+        beside: Storage,
+        starts: Storage,
+        states: Storage,
+        baked: Storage,
+        texels: Written,
+    }
+
     /// The sky that leaves see beside vertices.
     SkyBeside {
         cuts: Uniform,
@@ -221,13 +242,36 @@ pub const IMPLICIT_GLOSS: KernelProgram = KernelProgram::new(
     "implicit_gloss_kernel",
     [
         FOREST,
-        &["hemisphere", "octahedron", "tables", "glossy_leaves", "brdf", MODELS_WITHOUT_MAPS, "implicit_gloss_kernel"],
+        &[
+            "hemisphere",
+            "octahedron",
+            "tables",
+            "glossy_leaves",
+            "brdf",
+            MODELS_WITHOUT_MAPS,
+            "reflected_light",
+            "implicit_gloss_kernel",
+        ],
     ],
     &[Glossy::LAYOUT],
 );
 
+/// Light of leaves as vertices take it. Twin of `Seen::lit` in render/src/light/implicit.rs.
+pub const IMPLICIT_LEAVES: KernelProgram = KernelProgram::new(
+    "implicit_leaves_kernel",
+    [&["slice"], &["leaf_light", "reflected_light", "leaf_value", "implicit_leaves_kernel"]],
+    &[ValuedLeaves::LAYOUT],
+);
+/// Light of vertices. Twin of `PoseRig::light_by_cores` in render/src/light/implicit.rs.
+pub const IMPLICIT_VERTICES: KernelProgram = KernelProgram::new(
+    "implicit_vertices_kernel",
+    [&["slice"], &["leaf_beside", "leaf_value", "implicit_vertices_kernel"]],
+    &[LitVertices::LAYOUT],
+);
+
 /// What kernels of cuts from bins begin with.
-const CUTS_OF_BINS: &[&str] = &["slice", "ordered", "forest", "hemisphere", "cut_vertex", "implicit_cuts"];
+const CUTS_OF_BINS: &[&str] =
+    &["slice", "ordered", "forest", "hemisphere", "cut_vertex", "leaf_beside", "implicit_cuts"];
 
 /// How many nodes cuts from bins have. Twin of `NewCuts::of_bins` in render/src/light/implicit/cuts.rs.
 pub const IMPLICIT_CUTS_COUNT: KernelProgram = KernelProgram::new(
@@ -305,13 +349,15 @@ pub const TURNED_NODES: KernelProgram = KernelProgram::new(
 
 /// Those that run in slices.
 #[cfg(test)]
-pub const SLICED: [KernelProgram; 19] = [
+pub const SLICED: [KernelProgram; 21] = [
     IMPLICIT_UPDATE,
     IMPLICIT_NODES,
     IMPLICIT_WALK,
     IMPLICIT_PULL,
     IMPLICIT_BOUNCE,
     IMPLICIT_GLOSS,
+    IMPLICIT_LEAVES,
+    IMPLICIT_VERTICES,
     IMPLICIT_CUTS_COUNT,
     IMPLICIT_CUTS_WRITE,
     REPLACED_CUTS,

@@ -329,7 +329,7 @@ pub struct CutUniforms {
     pub more_padding: [u32; 2],
 }
 
-/// `LeafBeside` of `implicit_cuts.wgsl`.
+/// `LeafBeside` of `leaf_beside.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LeafBeside {
@@ -352,7 +352,8 @@ pub struct CutVertex {
 pub struct LightUniforms {
     /// Cosine and sine.
     pub turn: [f32; 2],
-    pub is_first: u32,
+    /// One of `SENDS_...`.
+    pub sends: u32,
     pub side: u32,
 }
 
@@ -398,7 +399,7 @@ pub struct GlossUniforms {
     pub padding: u32,
 }
 
-/// `Reflected` of `implicit_gloss_kernel.wgsl`.
+/// `Reflected` of `reflected_light.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Reflected {
@@ -406,6 +407,33 @@ pub struct Reflected {
     pub faces_eye: u32,
     pub leaves: [f32; 4],
     pub irradiance: [f32; 4],
+}
+
+/// `LeafUniforms` of `implicit_leaves_kernel.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LeafUniforms {
+    pub weighs_albedo: u32,
+    pub has_reflected: u32,
+}
+
+/// `LeafValue` of `leaf_value.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct LeafValue {
+    pub sky: [f32; 3],
+    pub open: f32,
+    /// Padded to 16 bytes, as the weight.
+    pub others: [f32; 4],
+    pub weight: [f32; 4],
+}
+
+/// `VertexUniforms` of `implicit_vertices_kernel.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct VertexUniforms {
+    pub plane: u32,
+    pub is_as_baked: u32,
 }
 
 /// `LitUniforms` of `lit_parts.wgsl`.

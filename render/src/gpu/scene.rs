@@ -338,6 +338,11 @@ pub fn float_texture(gpu: &GpuDevice, label: &str, size: [u32; 2], texels: &[[f3
     texture_of(gpu, label, wgpu::TextureFormat::Rgba32Float, size, texels)
 }
 
+/// The same of zeros.
+pub fn empty_float_texture(gpu: &GpuDevice, label: &str, size: [u32; 2]) -> wgpu::Texture {
+    empty_texture(gpu, label, wgpu::TextureFormat::Rgba32Float, size)
+}
+
 /// A texture of colors with a shared exponent, row by row.
 pub fn shared_exponent_texture(gpu: &GpuDevice, label: &str, size: [u32; 2], codes: &[u32]) -> wgpu::TextureView {
     texture_of(gpu, label, wgpu::TextureFormat::Rgb9e5Ufloat, size, codes)
@@ -350,7 +355,13 @@ fn texture_of<T: bytemuck::Pod>(
     size: [u32; 2],
     texels: &[T],
 ) -> wgpu::TextureView {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+    let texture = empty_texture(gpu, label, format, size);
+    write_rows(gpu, &texture, 0, size[0] as usize * size_of::<T>(), bytemuck::cast_slice(texels));
+    texture.create_view(&Default::default())
+}
+
+fn empty_texture(gpu: &GpuDevice, label: &str, format: wgpu::TextureFormat, size: [u32; 2]) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: extent(size),
         mip_level_count: 1,
@@ -359,9 +370,7 @@ fn texture_of<T: bytemuck::Pod>(
         format,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
-    });
-    write_rows(gpu, &texture, 0, size[0] as usize * size_of::<T>(), bytemuck::cast_slice(texels));
-    texture.create_view(&Default::default())
+    })
 }
 
 /// Packed nodes as rows of texels.

@@ -10,75 +10,44 @@ mod cuts;
 pub(crate) mod detail;
 pub(crate) mod gloss;
 mod gpu_sight;
+mod posed_light;
 pub(crate) mod seen;
 mod vertices;
 
 use crate::{
     baked::Baked,
-    device::{Compute, DeviceCuts, SeenLight},
+    device::{
+        Compute, DeviceCuts, SeenLight, VertexPlanes,
+        layout::constants::{VERTEX_HAS_NEW_CUT, VERTEX_IS_MOVED},
+    },
     light::{
         bounce::LitPoints,
         situation::{Changes, Relight, Situation},
         sky::SkyGrid,
     },
 };
+pub(crate) use covered::LEAST_OPEN;
 use covered::{Covered, Open};
 use cuts::NewCuts;
 use detail::ImplicitDetail;
-use glam::{Vec3, Vec3A};
-use gloss::{Gloss, Received, SeenLeaves};
+use glam::Vec3;
+use gloss::{Gloss, Received, SeenLeaves, sent_by};
 use lapidary_core::{
-    implicit::{Lighting, forest::SurfelForest},
+    implicit::forest::SurfelForest,
     scene::{Mesh, pose::Poses},
 };
+pub use posed_light::{DeviceLight, PosedLighting};
+pub use posed_light::{PosedLight, Sides};
 use rayon::prelude::*;
-use seen::{LeafSight, sight};
-use std::{collections::BTreeSet, f32::consts::FRAC_1_PI, sync::Arc};
+use seen::{LeafSight, Reflection, VertexLighting, sight};
+use std::{collections::BTreeSet, sync::Arc};
 use vertices::VertexLeaves;
 
 /// Samples of an area light along each of its sides, at each leaf.
 const AREA_SAMPLES: u32 = 2;
 
 /// Upper limit of the growth of a vertex's light.
-const MOST_GROWTH: f32 = 2.0;
-
-/// Values for both sides of the vertices.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sides {
-    /// Values on the side of the normals.
-    pub front: Vec<Vec3>,
-    /// Values on the opposite side.
-    pub back: Vec<Vec3>,
-}
-
-impl Sides {
-    /// No light at some vertices.
-    pub fn dark(vertices: usize) -> Self {
-        Self { front: vec![Vec3::ZERO; vertices], back: vec![Vec3::ZERO; vertices] }
-    }
-
-    /// Value at a point of a triangle, by its vertices' weights.
-    #[inline]
-    pub fn at(&self, vertices: [u32; 3], weights: [f32; 3], from_behind: bool) -> Vec3 {
-        let side = if from_behind { &self.back } else { &self.front };
-        vertices.iter().zip(weights).map(|(&vertex, weight)| side[vertex as usize] * weight).sum()
-    }
-}
-
-/// The light of posed objects, for pixels. At glossy vertices irradiance is that with which a diffuse surface of the same albedo would
-/// reflect as much toward one eye.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PosedLight {
-    /// Whether each vertex is away from its baked position.
-    pub is_moved: Arc<[bool]>,
-    /// Relative growth of the environment's light at the vertices, `E(posed) / E(as baked) - 1`, -1 to 1. It is 0 at vertices with
-    /// new cuts, and exactly 0 between vertices whose light is unchanged.
-    pub growth: Sides,
-    /// Additional irradiance of the environment in W/m², at vertices that were too dark for their ratio.
-    pub uncovered: Sides,
-    /// Bounced irradiance in W/m²: its difference from the bake, or all of it for moved vertices.
-    pub bounce: Sides,
-}
+pub(crate) const MOST_GROWTH: f32 = 2.0;
 
 /// Lights a scene under one pose after another.
 pub struct PoseRig {
@@ -86,6 +55,8 @@ pub struct PoseRig {
     as_baked: Seen,
     /// Vertex light as baked; a drag of an object does not change it.
     lit_as_baked: Option<(Asked, [Sides; 2])>,
+    /// The same on the device that lights poses.
+    lit_there: Option<(Asked, VertexPlanes)>,
     vertices: VertexLeaves,
     posed: Seen,
     poses: Poses,
@@ -105,8 +76,8 @@ struct Seen {
     points: LitPoints,
     /// Surfaces that nothing covers.
     open: Open,
-    /// Light of the leaves with some bounces; another eye does not change it.
-    lit: Option<(u32, SeenLight)>,
+    /// How many bounces the light of the leaves has, and that light unless it stays where visibility is; another eye does not change it.
+    lit: Option<(u32, Option<SeenLight>)>,
 }
 
 /// What is asked of the vertices' light.
@@ -117,45 +88,66 @@ struct Asked {
     has_glossy_bounces: bool,
     /// Position of the eye in meters.
     eye: Vec3,
-    /// Whether adapters tell what glossy leaves reflect. Both poses are lit by the same, so that light that is equal has equal bits.
-    gloss_there: bool,
 }
 
 impl Seen {
     /// Irradiance of the vertices from the sky, and from all bounces. Glossy ones have that of a diffuse surface which reflects as much
     /// toward the eye.
     fn lit(&mut self, sky: &SkyGrid, asked: Asked, vertices: &VertexLeaves, gloss: &Gloss) -> [Sides; 2] {
-        let known = self.lit.take().filter(|(known, _)| *known == asked.bounces);
-        let light = known.unwrap_or_else(|| (asked.bounces, self.light(sky, asked.bounces)));
-        let (_, SeenLight { of_sky, direct, bounced }) = self.lit.insert(light);
+        let known = self.lit.take().filter(|(known, _)| *known == asked.bounces).and_then(|(_, light)| light);
+        let light = known.unwrap_or_else(|| self.light(sky, asked.bounces));
+        let light = self.lit.insert((asked.bounces, None)).1.insert(light);
         // The bins treat emissive surfaces as lamps; the picture counts them as bounced light.
-        let others =
-            direct.iter().zip(&*of_sky).zip(&*bounced).map(|((direct, sky), bounced)| *direct - *sky + *bounced);
-        let (mut others, mut of_sky): (Vec<Vec3>, _) = (others.collect(), of_sky.clone());
-        let (forest, points) = (self.forest.discs(), &self.points);
-        let sent = asked.has_glossy_bounces.then(|| {
-            let leaves = points.irradiance().into_iter().zip(direct.iter().zip(&*bounced));
-            let arriving = leaves.map(|(received, (direct, bounced))| received + *direct + *bounced);
-            let surfaces = points.albedo().iter().zip(points.emission());
-            let sent =
-                arriving.zip(surfaces).map(|(e, (albedo, emission))| (e * *albedo * FRAC_1_PI + *emission).into());
-            forest.pull(&sent.collect::<Vec<Vec3A>>())
-        });
-        if !gloss.is_empty() && (sky.shines() || sent.is_some()) {
+        let others = light.direct.iter().zip(&light.of_sky).zip(&light.bounced);
+        let others = others.map(|((direct, sky), bounced)| *direct - *sky + *bounced);
+        let (mut others, mut of_sky): (Vec<Vec3>, _) = (others.collect(), light.of_sky.clone());
+        let (forest, points, radiance) = (self.forest.discs(), &self.points, |direction| sky.radiance(direction));
+        let sent = || sent_by(forest, &points.lighting(&points.irradiance(), &radiance), light);
+        let sent = asked.has_glossy_bounces.then(sent);
+        if asked.reflects(gloss, sky) {
             let (mesh, surfels, eye) = (points.mesh(), points.points(), asked.eye);
-            let sky = &|direction| sky.radiance(direction);
-            let seen = SeenLeaves { forest, mesh, surfels, eye, sent: sent.as_deref(), sky };
-            let there = asked.gloss_there.then(|| self.sight.reflected(gloss, &seen)).flatten();
-            let by_cores = || gloss.reflected(&seen, &self.sight.views(forest, gloss.span()));
-            let reflected = there.unwrap_or_else(by_cores);
+            let seen = SeenLeaves { forest, mesh, surfels, eye, sent: sent.as_deref(), sky: &radiance };
+            let reflected = gloss.reflected(&seen, &self.sight.views(forest, gloss.span()));
             gloss.toward_eye(&reflected, Received { from_sky: &mut of_sky, from_leaves: &mut others });
         }
         [of_sky, others].map(|leaves| self.at_vertices(vertices, &leaves, gloss))
     }
 
-    /// Whether an adapter tells what the glossy leaves reflect.
-    fn takes_gloss(&mut self, gloss: &Gloss) -> bool {
-        self.sight.takes_gloss(gloss, self.points.mesh(), self.points.points())
+    /// Whether the vertices are lit where visibility is.
+    fn lights_vertices(&mut self, gloss: &Gloss) -> bool {
+        self.sight.lights_vertices(gloss, self.points.mesh(), self.points.points())
+    }
+
+    /// The light of [`Self::lit`] where visibility is, of vertices in some states; or what differs in it from that as baked.
+    fn lit_there(
+        &mut self,
+        sky: &SkyGrid,
+        asked: Asked,
+        (beside, states): (&VertexLeaves, &[u32]),
+        gloss: &Gloss,
+        as_baked: Option<&VertexPlanes>,
+    ) -> Option<VertexPlanes> {
+        let known = self.lit.take().filter(|(known, _)| *known == asked.bounces);
+        let received = known.is_none().then(|| self.points.irradiance());
+        let radiance = |direction| sky.radiance(direction);
+        let lighting = |received| (self.points.lighting(received, &radiance), asked.bounces);
+        let reflection = Reflection { eye: asked.eye, has_sent: asked.has_glossy_bounces };
+        let made = self.sight.at_vertices(
+            self.forest.discs(),
+            &VertexLighting {
+                relight: received.as_deref().map(lighting),
+                beside,
+                open: &self.open,
+                states,
+                gloss,
+                mesh: self.points.mesh(),
+                surfels: self.points.points(),
+                reflection: asked.reflects(gloss, sky).then_some(reflection),
+                as_baked,
+            },
+        )?;
+        self.lit = Some(known.unwrap_or((asked.bounces, None)));
+        Some(made)
     }
 
     /// Values of the leaves at the vertices. Beside gloss they count by what they reflect, since a dark leaf may reflect much more than
@@ -175,13 +167,15 @@ impl Seen {
 
     /// Light of the leaves.
     fn light(&mut self, sky: &SkyGrid, bounces: u32) -> SeenLight {
-        let lighting = Lighting {
-            reflectance: self.points.albedo(),
-            emitted: self.points.emission(),
-            received: &self.points.irradiance(),
-            sky: &|direction| sky.radiance(direction),
-        };
-        self.sight.light(self.forest.discs(), &lighting, bounces)
+        let (received, radiance) = (self.points.irradiance(), |direction| sky.radiance(direction));
+        self.sight.light(self.forest.discs(), &self.points.lighting(&received, &radiance), bounces)
+    }
+}
+
+impl Asked {
+    /// Whether glossy leaves reflect anything toward the eye.
+    fn reflects(&self, gloss: &Gloss, sky: &SkyGrid) -> bool {
+        !gloss.is_empty() && (sky.shines() || self.has_glossy_bounces)
     }
 }
 
@@ -213,6 +207,7 @@ impl PoseRig {
             posed: seen(positions),
             as_baked: seen(positions),
             lit_as_baked: None,
+            lit_there: None,
             poses: Poses::default(),
             is_moved: vec![false; dataset.scene.mesh.positions.len()].into(),
             has_new_cut: vec![false; dataset.scene.mesh.positions.len()],
@@ -275,10 +270,10 @@ impl PoseRig {
         &self.has_new_cut
     }
 
-    /// Whether adapters tell what the glossy leaves of both poses reflect.
-    pub(crate) fn takes_gloss(&mut self) -> bool {
+    /// Whether adapters light the vertices of both poses.
+    pub(crate) fn lights_vertices(&mut self) -> bool {
         let Self { gloss, posed, as_baked, .. } = self;
-        !gloss.is_empty() && [posed, as_baked].into_iter().all(|seen| seen.takes_gloss(gloss))
+        [posed, as_baked].into_iter().all(|seen| seen.lights_vertices(gloss))
     }
 
     /// Light of the vertices in the pose; that as baked is known from then on.
@@ -293,14 +288,36 @@ impl PoseRig {
 
     /// Light of the posed scene. It has `bounces` bounces, or fewer if the detail follows fewer. Glossy surfaces reflect them as such
     /// if they do so as baked.
-    pub fn light(&mut self, bounces: u32, has_glossy_bounces: bool) -> PosedLight {
+    pub fn light(&mut self, bounces: u32, has_glossy_bounces: bool) -> PosedLighting {
         let bounces = bounces.min(self.detail.bounces());
-        let asked = Asked { bounces, has_glossy_bounces, eye: self.eye, gloss_there: self.takes_gloss() };
-        let mut posed = self.lit(asked);
-        if asked.gloss_there && !self.takes_gloss() {
-            posed = self.lit(Asked { gloss_there: false, ..asked });
+        let asked = Asked { bounces, has_glossy_bounces, eye: self.eye };
+        match self.light_there(asked) {
+            Some(planes) => PosedLighting::on_device(planes, self.is_moved.clone()),
+            None => PosedLighting::OnCores(self.light_by_cores(asked)),
         }
-        let [posed_sky, posed_bounce] = posed;
+    }
+
+    /// The light where visibility is. Both poses are lit by the same, so that light that is equal has equal bits.
+    fn light_there(&mut self, asked: Asked) -> Option<VertexPlanes> {
+        if !self.lights_vertices() {
+            return None;
+        }
+        let Self { sky, vertices, gloss, posed, as_baked, lit_there, is_moved, has_new_cut, .. } = self;
+        if lit_there.as_ref().is_none_or(|(known, _)| *known != asked) {
+            let states = as_baked.open.states(|_| 0);
+            *lit_there = Some((asked, as_baked.lit_there(sky, asked, (vertices, &states), gloss, None)?));
+        }
+        let states = posed.open.states(|vertex| {
+            let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+            flag(is_moved[vertex], VERTEX_IS_MOVED) | flag(has_new_cut[vertex], VERTEX_HAS_NEW_CUT)
+        });
+        let (_, before) = lit_there.as_ref()?;
+        posed.lit_there(sky, asked, (vertices, &states), gloss, Some(before))
+    }
+
+    /// The same by the cores. The twin is `implicit_vertices_kernel.wgsl`.
+    fn light_by_cores(&mut self, asked: Asked) -> PosedLight {
+        let [posed_sky, posed_bounce] = self.lit(asked);
         let (_, [baked_sky, baked_bounce]) = self.lit_as_baked.as_ref().expect("it was lit beside the pose");
         let (is_moved, has_new_cut) = (&self.is_moved, &self.has_new_cut);
         let growth = |vertex: usize, now: Vec3, before: Vec3| {
@@ -317,15 +334,6 @@ impl PoseRig {
             uncovered: combined(&posed_sky, baked_sky, rest),
             bounce: combined(&posed_bounce, baked_bounce, more),
         }
-    }
-}
-
-impl PosedLight {
-    /// The same for a picture whose bounced light follows poses: none is added.
-    #[must_use]
-    pub fn without_bounces(&self) -> Self {
-        let vertices = self.is_moved.len();
-        Self { is_moved: vec![false; vertices].into(), bounce: Sides::dark(vertices), ..self.clone() }
     }
 }
 
@@ -348,7 +356,7 @@ impl Relight for PoseRig {
             seen.points.update((&situation.appearance, &lights), compute, changes);
         }
         if changes.relight() {
-            (self.lit_as_baked, self.as_baked.lit) = (None, None);
+            (self.lit_as_baked, self.lit_there, self.as_baked.lit) = (None, None, None);
         }
         if changes.relight() || changes.poses {
             self.posed.lit = None;

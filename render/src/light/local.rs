@@ -5,7 +5,7 @@ use crate::{
     light::{
         bounce::SourceLighting,
         components::Components,
-        implicit::PosedLight,
+        implicit::PosedLighting,
         situation::{Changes, Situation},
         solver::{BounceLight, BounceSolver, rigs::Rigs, solutions::Solution},
     },
@@ -23,7 +23,7 @@ pub struct LocalLighting {
     /// Bounced light of these lights and of the environment.
     pub bounce: Option<BounceLight>,
     /// Changes of the light by posed objects.
-    pub posed: Option<Arc<PosedLight>>,
+    pub posed: Option<Arc<PosedLighting>>,
     /// The parts that are shown.
     pub components: Components,
     /// Energy of the successive bounces, if the solution has several.
@@ -38,8 +38,8 @@ impl LocalLighting {
     }
 
     /// The same with changes of the light by posed objects. A solution that follows poses has their bounces already.
-    pub(crate) fn with_posed(self, posed: Option<Arc<PosedLight>>, solution: Solution) -> Self {
-        let without_bounces = |posed: Arc<PosedLight>| posed.without_bounces().into();
+    pub(crate) fn with_posed(self, posed: Option<Arc<PosedLighting>>, solution: Solution) -> Self {
+        let without_bounces = |posed: Arc<PosedLighting>| posed.without_bounces().into();
         let posed = if solution.follows_poses() { posed.map(without_bounces) } else { posed };
         Self { posed, ..self }
     }

@@ -3,6 +3,7 @@
 use super::{
     GpuImplicit,
     forest::{GpuForest, cos_sin},
+    vertices::LeavesBeside,
 };
 #[cfg(test)]
 use crate::device::{GpuDevice, readback::read_range};
@@ -11,7 +12,7 @@ use crate::{
         buffers::{storage, uniform, written},
         kernels::{CountedOthers, SkyBeside, WrittenOthers},
         layout::{
-            CutUniforms, CutVertex, LeafBeside,
+            CutUniforms, CutVertex,
             constants::{MOST_DIRECTIONS, MOVED},
         },
         readback::read_word,
@@ -23,6 +24,7 @@ use glam::Vec3;
 #[cfg(test)]
 use lapidary_core::cut::packed::NODES_PER_TEXEL;
 use lapidary_core::cut::packed::{TEXEL_BYTES, TEXTURE_WIDTH};
+use std::ops::Range;
 
 /// Fewest directions that a cut may be selected from: four are packed in a word.
 const FEWEST_DIRECTIONS: usize = 4;
@@ -31,13 +33,11 @@ const FEWEST_DIRECTIONS: usize = 4;
 pub struct CutTables {
     directions: wgpu::Buffer,
     count: usize,
-    beside: wgpu::Buffer,
-    /// Leaves beside each vertex: the first, and the end of the last.
-    starts: Vec<u32>,
 }
 
 /// What a pose asks of the cuts.
 pub struct CutRequest<'a> {
+    pub beside: &'a LeavesBeside,
     /// Vertices that get cuts, and whether they moved.
     pub vertices: &'a [(u32, bool)],
     /// Open share of each leaf, 0 to 1; it does not count for vertices that moved.
@@ -83,16 +83,12 @@ impl DeviceCuts {
 }
 
 impl GpuForest {
-    /// Takes the directions at the leaves of a tree, and the leaves beside vertices with their weights: those of each vertex from one
-    /// of the `starts` to the next.
-    pub fn cut_tables(&self, directions: &[Vec3], beside: &[(u32, f32)], starts: Vec<u32>) -> CutTables {
-        let leaves: Vec<_> = beside.iter().map(|&(leaf, weight)| LeafBeside { leaf, weight }).collect();
+    /// Takes the directions at the leaves of a tree.
+    pub fn cut_tables(&self, directions: &[Vec3]) -> CutTables {
         let wide: Vec<[f32; 4]> = directions.iter().map(|direction| direction.extend(0.0).to_array()).collect();
         CutTables {
             directions: storage(&self.on.gpu, "directions of cuts", cast_slice(&wide)),
             count: directions.len(),
-            beside: storage(&self.on.gpu, "leaves beside vertices", cast_slice(&leaves)),
-            starts,
         }
     }
 
@@ -110,10 +106,9 @@ impl GpuForest {
         let first_row = asked.stored_texels.div_ceil(TEXTURE_WIDTH as u32);
         let first_texel = first_row * TEXTURE_WIDTH as u32;
         let uniforms = uniform(gpu, "cuts of vertices", bytes_of(&self.cut_uniforms(tables, asked.least, first_texel)));
-        let cut_vertex = |&(vertex, moved): &(u32, bool)| CutVertex {
-            number: vertex | if moved { MOVED } else { 0 },
-            first: tables.starts[vertex as usize],
-            end: tables.starts[vertex as usize + 1],
+        let cut_vertex = |&(vertex, moved): &(u32, bool)| {
+            let Range { start: first, end } = asked.beside.of(vertex);
+            CutVertex { number: vertex | if moved { MOVED } else { 0 }, first, end }
         };
         let cut_vertices: Vec<CutVertex> = asked.vertices.iter().map(cut_vertex).collect();
         let cut_vertices = storage(gpu, "vertices that get cuts", cast_slice(&cut_vertices));
@@ -125,7 +120,7 @@ impl GpuForest {
             discs: &self.buffers.discs,
             views: &self.buffers.views,
             directions: &tables.directions,
-            beside: &tables.beside,
+            beside: &asked.beside.leaves,
             open: &open,
             cut_vertices: &cut_vertices,
         };

@@ -6,7 +6,7 @@ use crate::{
         adapter::GpuDevice,
         buffers::{storage, uniform, written},
         kernels,
-        layout::{Disc, Rider, WalkUniforms},
+        layout::{Disc, Reflected, Rider, WalkUniforms},
         readback::read_range,
     },
     error::BackendError,
@@ -21,8 +21,8 @@ use lapidary_core::implicit::{
 };
 use std::{collections::BTreeSet, ops::Range, time::Duration};
 
-/// Invocations of a workgroup of the update.
-const LEAVES_PER_GROUP: u32 = 64;
+/// Invocations of a workgroup of kernels with one for each leaf.
+pub(super) const LEAVES_PER_GROUP: u32 = 64;
 
 /// A surfel forest on an adapter, under one pose after another.
 pub struct GpuForest {
@@ -57,8 +57,8 @@ pub(super) struct Buffers {
     pub views: wgpu::Buffer,
     /// Keys of what does not move, made at the first drag.
     still: Option<wgpu::Buffer>,
-    /// In place of a layer that is not kept.
-    nothing: wgpu::Buffer,
+    /// In place of what is not there to be read.
+    pub nothing: wgpu::Buffer,
 }
 
 /// Which leaves look for what.
@@ -240,7 +240,7 @@ impl Buffers {
             walked: storage(gpu, "walked objects", cast_slice(&bits(shape.trees().len(), &|_| true))),
             views: cells_of(gpu, "views", discs.discs().len() as u32, layout),
             still: None,
-            nothing: storage(gpu, "no layer", &[0; 4]),
+            nothing: storage(gpu, "nothing", bytes_of(&Reflected::zeroed())),
         })
     }
 }

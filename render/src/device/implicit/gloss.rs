@@ -3,7 +3,6 @@
 use super::{
     GpuImplicit,
     forest::{GpuForest, cos_sin},
-    light::cells_of_sky,
 };
 use crate::{
     device::{
@@ -11,14 +10,13 @@ use crate::{
         kernel::Kernel,
         kernels::Glossy,
         layout::{GlossUniforms, GlossyLeaf, Reflected},
-        readback::read_range,
         tables::tables,
     },
     error::BackendError,
 };
 use bytemuck::{Zeroable, bytes_of, cast_slice};
-use glam::{Mat3, Vec3, Vec3A, Vec4};
-use lapidary_core::{brdf::BrdfModel, implicit::Sky};
+use glam::{Mat3, Vec3, Vec4};
+use lapidary_core::brdf::BrdfModel;
 use std::sync::Arc;
 
 /// The BRDF of a glossy leaf.
@@ -40,8 +38,8 @@ pub struct GlossTable {
     materials: wgpu::Buffer,
     values: wgpu::Buffer,
     sent: wgpu::Buffer,
-    sky: wgpu::Buffer,
-    reflected: wgpu::Buffer,
+    /// Of all leaves.
+    pub(super) reflected: wgpu::Buffer,
 }
 
 /// What is reflected where.
@@ -50,20 +48,8 @@ pub struct GlossRequest<'a> {
     pub frames: &'a [Mat3],
     /// Position of the eye in meters.
     pub eye: Vec3,
-    /// Radiance that each node of the forest sends, if leaves reflect it too.
-    pub sent: Option<&'a [Vec3A]>,
-    pub sky: Sky<'a>,
-}
-
-/// What a leaf reflects toward the eye, as radiance in W/(m² sr).
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ReflectedLight {
-    /// Of the sky.
-    pub sky: Vec3,
-    /// Of the leaves that it sees.
-    pub leaves: Vec3,
-    /// Irradiance from these leaves, in W/m².
-    pub irradiance: Vec3,
+    /// Whether they reflect the light of other leaves, too.
+    pub has_sent: bool,
 }
 
 impl GpuForest {
@@ -72,7 +58,7 @@ impl GpuForest {
         let gpu = &self.on.gpu;
         let bytes = |count: usize, size: usize| (count * size) as u64;
         let of_nodes = bytes(self.nodes as usize, size_of::<Vec4>());
-        let of_leaves = bytes(leaves.len(), size_of::<Reflected>());
+        let of_leaves = bytes(self.leaves as usize, size_of::<Reflected>());
         if size_of_val(values) as u64 > gpu.max_storage_bytes() || of_leaves > gpu.max_storage_bytes() {
             return None;
         }
@@ -83,32 +69,29 @@ impl GpuForest {
             materials: written(gpu, "glossy leaves", bytes(leaves.len(), size_of::<GlossyLeaf>())),
             values: storage(gpu, "values of glossy leaves", cast_slice(values)),
             sent: written(gpu, "light that nodes send", of_nodes),
-            sky: storage(gpu, "sky of glossy leaves", cast_slice(&cells_of_sky(&|_| Vec3::ZERO))),
             reflected: written(gpu, "light that leaves reflect", of_leaves),
             leaves,
         })
     }
 
-    /// What the leaves of a table reflect toward the eye, by what they saw at the last walk; `None` for those that face away.
+    /// Finds what the leaves of a table reflect toward the eye, by what they saw at the last walk, of the light that was made last.
     ///
     /// # Errors
     /// A lost device.
-    pub fn gloss(&self, table: &GlossTable, asked: &GlossRequest) -> Result<Vec<Option<ReflectedLight>>, BackendError> {
+    pub fn gloss(&self, table: &GlossTable, asked: &GlossRequest) -> Result<(), BackendError> {
         let (GpuImplicit { gpu, .. }, b) = (&self.on, &self.buffers);
         let uniforms = GlossUniforms {
             eye: asked.eye.into(),
             side: self.layout.cells.side as u32,
             turn: cos_sin(self.layout.turn),
-            has_sent: u32::from(asked.sent.is_some()),
+            has_sent: u32::from(asked.has_sent),
             padding: 0,
         };
         gpu.queue.write_buffer(&table.uniforms, 0, bytes_of(&uniforms));
         let leaves: Vec<GlossyLeaf> = table.leaves.iter().zip(asked.frames).map(packed).collect();
         gpu.queue.write_buffer(&table.materials, 0, cast_slice(&leaves));
-        gpu.queue.write_buffer(&table.sky, 0, cast_slice(&cells_of_sky(asked.sky)));
-        if let Some(sent) = asked.sent {
-            let wide: Vec<Vec4> = sent.iter().map(|radiance| radiance.extend(0.0)).collect();
-            gpu.queue.write_buffer(&table.sent, 0, cast_slice(&wide));
+        if asked.has_sent {
+            self.pull_all(&table.sent)?;
         }
         let glossy = Glossy {
             uniforms: &table.uniforms,
@@ -119,12 +102,10 @@ impl GpuForest {
             views: &b.views,
             directions: &b.directions,
             sent: &table.sent,
-            sky: &table.sky,
+            sky: &self.light.sky,
             reflected: &table.reflected,
         };
-        table.kernel.run(gpu, &[glossy.bind(gpu)], leaves.len() as u32)?;
-        let found: Vec<Reflected> = read_range(gpu, &table.reflected, 0..leaves.len())?;
-        Ok(found.iter().map(unpacked).collect())
+        table.kernel.run(gpu, &[glossy.bind(gpu)], leaves.len() as u32).map(drop)
     }
 }
 
@@ -137,10 +118,4 @@ fn packed((of, frame): (&LeafLobes, &Mat3)) -> GlossyLeaf {
         normal: frame.z_axis.into(),
         first: of.first,
     }
-}
-
-fn unpacked(of: &Reflected) -> Option<ReflectedLight> {
-    let color = |of: [f32; 4]| Vec4::from_array(of).truncate();
-    let Reflected { sky, faces_eye, leaves, irradiance } = *of;
-    (faces_eye != 0).then(|| ReflectedLight { sky: sky.into(), leaves: color(leaves), irradiance: color(irradiance) })
 }

@@ -9,7 +9,10 @@ use crate::{
         adapter::GpuDevice,
         buffers::{storage, uniform, written},
         kernels,
-        layout::{LeafIrradiance, LeafLighting, LightUniforms},
+        layout::{
+            LeafIrradiance, LeafLighting, LeafValue, LightUniforms,
+            constants::{SENDS_ALL, SENDS_EMISSION, SENDS_LAST},
+        },
         readback::read_range,
     },
     error::BackendError,
@@ -20,6 +23,7 @@ use lapidary_core::{
     implicit::{BinLayout, Lighting, Sky},
     sphere::octahedron,
 };
+use std::time::Duration;
 
 /// Irradiance of the leaves of a forest in W/m², one entry each.
 #[derive(Clone, Debug)]
@@ -35,12 +39,14 @@ pub struct SeenLight {
 /// What kernels of light read and write.
 pub(super) struct LightBuffers {
     uniforms: wgpu::Buffer,
-    lighting: wgpu::Buffer,
-    sky: wgpu::Buffer,
+    pub lighting: wgpu::Buffer,
+    pub sky: wgpu::Buffer,
     /// Of the nodes.
     radiance: wgpu::Buffer,
     /// Of the leaves.
-    irradiance: wgpu::Buffer,
+    pub irradiance: wgpu::Buffer,
+    /// Of the leaves, as vertices take it.
+    pub values: wgpu::Buffer,
 }
 
 impl LightBuffers {
@@ -52,6 +58,7 @@ impl LightBuffers {
             sky: storage(gpu, "sky", cast_slice(&[Vec4::ZERO; octahedron::CELLS])),
             radiance: written(gpu, "radiance of nodes", bytes(nodes, size_of::<Vec4>())),
             irradiance: written(gpu, "irradiance of leaves", bytes(leaves, size_of::<LeafIrradiance>())),
+            values: written(gpu, "light of leaves for vertices", bytes(leaves, size_of::<LeafValue>())),
         }
     }
 }
@@ -62,13 +69,7 @@ impl GpuForest {
     /// # Errors
     /// A lost device.
     pub fn light(&mut self, lighting: &Lighting, bounces: u32) -> Result<SeenLight, BackendError> {
-        let gpu = &self.on.gpu;
-        gpu.queue.write_buffer(&self.light.lighting, 0, cast_slice(&packed_lighting(lighting)));
-        gpu.queue.write_buffer(&self.light.sky, 0, cast_slice(&cells_of_sky(lighting.sky)));
-        (self.times.pull, self.times.bounce) = Default::default();
-        for bounce in 0..=bounces {
-            self.gather(bounce == 0)?;
-        }
+        self.relight(lighting, bounces)?;
         let light: Vec<LeafIrradiance> = read_range(&self.on.gpu, &self.light.irradiance, 0..self.leaves as usize)?;
         let part = |of: fn(&LeafIrradiance) -> [f32; 4]| light.iter().map(|leaf| color(of(leaf))).collect();
         Ok(SeenLight {
@@ -78,11 +79,29 @@ impl GpuForest {
         })
     }
 
-    /// One bounce, or before all of them the light of what emits and of the sky.
-    fn gather(&mut self, is_first: bool) -> Result<(), BackendError> {
+    /// The same, kept on the device alone.
+    ///
+    /// # Errors
+    /// As [`Self::light`].
+    pub fn relight(&mut self, lighting: &Lighting, bounces: u32) -> Result<(), BackendError> {
+        let gpu = &self.on.gpu;
+        gpu.queue.write_buffer(&self.light.lighting, 0, cast_slice(&packed_lighting(lighting)));
+        gpu.queue.write_buffer(&self.light.sky, 0, cast_slice(&cells_of_sky(lighting.sky)));
+        (self.times.pull, self.times.bounce) = Default::default();
+        self.gather(SENDS_EMISSION)?;
+        (0..bounces).try_for_each(|_| self.gather(SENDS_LAST))
+    }
+
+    /// Radiance that nodes send into the picture, into a buffer with a vector for each.
+    pub(super) fn pull_all(&self, into: &wgpu::Buffer) -> Result<(), BackendError> {
+        self.pull(SENDS_ALL, into).map(drop)
+    }
+
+    /// Radiance of the nodes by what leaves send. Returns how long it took.
+    fn pull(&self, sends: u32, into: &wgpu::Buffer) -> Result<Duration, BackendError> {
         let (GpuImplicit { gpu, kernels: on }, b, l) = (&self.on, &self.buffers, &self.light);
         let BinLayout { cells, turn } = self.layout;
-        let uniforms = LightUniforms { turn: cos_sin(turn), is_first: u32::from(is_first), side: cells.side as u32 };
+        let uniforms = LightUniforms { turn: cos_sin(turn), sends, side: cells.side as u32 };
         gpu.queue.write_buffer(&l.uniforms, 0, bytes_of(&uniforms));
         let pulled = kernels::Pulled {
             uniforms: &l.uniforms,
@@ -90,8 +109,15 @@ impl GpuForest {
             spans: &b.spans,
             lighting: &l.lighting,
             light: &l.irradiance,
-            radiance: &l.radiance,
+            radiance: into,
         };
+        on.pull.run(gpu, &[pulled.bind(gpu)], self.nodes)
+    }
+
+    /// One bounce of what leaves send; with emission the sky, too.
+    fn gather(&mut self, sends: u32) -> Result<(), BackendError> {
+        self.times.pull += self.pull(sends, &self.light.radiance)?;
+        let (GpuImplicit { gpu, kernels: on }, b, l) = (&self.on, &self.buffers, &self.light);
         let gathered = kernels::Gathered {
             uniforms: &l.uniforms,
             discs: &b.discs,
@@ -102,7 +128,6 @@ impl GpuForest {
             sky: &l.sky,
             light: &l.irradiance,
         };
-        self.times.pull += on.pull.run(gpu, &[pulled.bind(gpu)], self.nodes)?;
         self.times.bounce += on.bounce.run(gpu, &[gathered.bind(gpu)], self.leaves)?;
         Ok(())
     }
@@ -119,7 +144,7 @@ fn packed_lighting(lighting: &Lighting) -> Vec<LeafLighting> {
     leaves.map(packed).collect()
 }
 
-pub(super) fn cells_of_sky(sky: Sky) -> Vec<Vec4> {
+fn cells_of_sky(sky: Sky) -> Vec<Vec4> {
     (0..octahedron::CELLS).map(|cell| sky(octahedron::direction_of(cell)).extend(0.0)).collect()
 }
 

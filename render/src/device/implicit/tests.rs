@@ -9,24 +9,24 @@ use crate::{
     appearance::Appearance,
     device::{
         Compute, GlossRequest, Kernel, ModelSet, Room, SharedDevice, is_emulated,
-        layout::Disc,
+        layout::{Disc, Reflected},
         readback::read_range,
         test_adapter::{on_adapter, shared_device},
     },
     light::{
         bounce::LitPoints,
         implicit::{
-            PoseRig, PosedLight,
+            PoseRig, PosedLight, PosedLighting,
             detail::ImplicitDetail,
-            gloss::{Gloss, SeenLeaves},
+            gloss::{Gloss, ReflectedLight, SeenLeaves, sent_by},
             seen::sight,
             tests::{blocked, posed, sky},
         },
     },
-    test_scenes::{Edited, glossy},
+    test_scenes::{Edited, glossy, point_light, white},
 };
 use bytemuck::{Pod, bytes_of};
-use glam::{Mat3, Vec3, Vec3A};
+use glam::{Mat3, Vec3, Vec3A, Vec4};
 use lapidary_core::{
     dataset::Dataset,
     implicit::{BinLayout, Bins, Drag, EMPTY, LeafLight, Lighting, forest::nodes::Block, node_of},
@@ -291,6 +291,18 @@ fn compiled(device: &SharedDevice, models: &ModelSet) -> Arc<Kernel> {
     }
 }
 
+/// What a table's leaves of some numbers reflect.
+fn reflected(forest: &GpuForest, table: &GlossTable, numbers: &[u32]) -> Vec<Option<ReflectedLight>> {
+    let all: Vec<Reflected> = read_range(&forest.on.gpu, &table.reflected, 0..forest.leaves as usize).unwrap();
+    let color = |of: [f32; 4]| Vec4::from(of).truncate();
+    let of_leaf = |&number: &u32| {
+        let Reflected { sky, faces_eye, leaves, irradiance } = all[number as usize];
+        let light = ReflectedLight { sky: sky.into(), leaves: color(leaves), irradiance: color(irradiance) };
+        (faces_eye != 0).then_some(light)
+    };
+    numbers.iter().map(of_leaf).collect()
+}
+
 #[test]
 fn gloss_is_that_of_the_twin_for_all_models() {
     let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
@@ -308,14 +320,18 @@ fn gloss_is_that_of_the_twin_for_all_models() {
         let surfels: Vec<Surfel> = case.forest.surfels().collect();
         let kernel = compiled(&device, &case.gloss.models().unwrap());
         let (leaves, values) = case.gloss.packed(mesh, &surfels);
+        let numbers: Vec<u32> = leaves.iter().map(|leaf| leaf.leaf).collect();
         assert!(values.len() > 10 * model.own_parameters().len(), "leaves have their own values");
         let table = gpu.gloss_table(kernel, leaves, &values).unwrap();
         let sky = |direction: Vec3| octahedron::direction_of(octahedron::cell_of(direction)) * 20.0 + 20.0;
-        let sent: Vec<Vec3A> = (0..gpu.nodes).map(|node| Vec3A::splat((node % 7) as f32)).collect();
+        let leaves: Vec<Vec3> = (0..gpu.leaves).map(|leaf| Vec3::splat((leaf % 7) as f32 / 7.0)).collect();
+        let lighting = Lighting { reflectance: &leaves, emitted: &leaves, received: &leaves, sky: &sky };
+        let sent = sent_by(discs, &lighting, &gpu.light(&lighting, 1).unwrap());
         let both = |eye: Vec3, sent: Option<&[Vec3A]>| {
             let seen = SeenLeaves { forest: discs, mesh, surfels: &surfels, eye, sent, sky: &sky };
-            let asked = GlossRequest { frames: &case.gloss.frames(&seen), eye, sent, sky: &sky };
-            [gpu.gloss(&table, &asked).unwrap(), case.gloss.reflected(&seen, &views)]
+            let asked = GlossRequest { frames: &case.gloss.frames(mesh, &surfels), eye, has_sent: sent.is_some() };
+            gpu.gloss(&table, &asked).unwrap();
+            [reflected(&gpu, &table, &numbers), case.gloss.reflected(&seen, &views)]
         };
         let colors = |all: &[Option<ReflectedLight>]| -> Vec<Vec3> {
             all.iter().flat_map(|of| of.map_or([Vec3::ZERO; 3], |of| [of.sky, of.leaves, of.irradiance])).collect()
@@ -406,8 +422,12 @@ fn shown(compute: &Compute, baked: &Baked, poses: &[Poses]) -> Vec<(Vec<Vec<u16>
         };
         let height = scene.dataset.tree.height();
         let cuts = (0..cuts.len() as u32).map(|vertex| cuts.cut(height, vertex).to_vec());
-        let light = rig.light(2, true);
-        assert_eq!(rig.takes_gloss(), matches!(compute, Compute::Device(_)), "gloss is there where visibility is");
+        let light = rig.light(2, true).known().clone();
+        assert_eq!(
+            rig.lights_vertices(),
+            matches!(compute, Compute::Device(_)),
+            "vertices are lit where visibility is"
+        );
         (cuts.collect(), light)
     };
     poses.iter().map(show).collect()
@@ -426,13 +446,13 @@ fn a_kernel_that_comes_later_does_not_mix_its_light_with_that_of_the_cores() {
     rig.situation.eye = Vec3::new(0.0, 1.5, 3.5);
     let growth_at = |rig: &mut Edited<PoseRig>, poses: &Poses| {
         rig.set_poses(&baked, poses);
-        rig.light(2, true).growth
+        rig.light(2, true).known().growth.clone()
     };
     let moved = posed(Pose { translate: Vec3::X * 0.2, ..Pose::AS_BAKED });
     let by_cores = growth_at(&mut rig, &moved);
-    compiled(&device, &ModelSet::of(&Appearance::of(&baked.dataset.scene)).without_maps());
+    compile_gloss(&device, &baked);
     let none = growth_at(&mut rig, &Poses::default());
-    assert!(rig.takes_gloss());
+    assert!(rig.lights_vertices());
     assert!([&none.front, &none.back].into_iter().flatten().all(|growth| *growth == Vec3::ZERO), "as it was baked");
     let by_adapter = growth_at(&mut rig, &moved);
     assert!(by_cores.front.iter().any(|growth| *growth != Vec3::ZERO), "negative control: it moved");
@@ -451,16 +471,12 @@ fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
     let at = |x: f32| posed(Pose { translate: Vec3::X * x, ..Pose::AS_BAKED });
     let poses = [at(0.2), at(0.7)];
     // So that the adapter is asked for gloss from the first pose on.
-    compiled(&device, &ModelSet::of(&Appearance::of(&baked.dataset.scene)).without_maps());
+    compile_gloss(&device, &baked);
     let computes = [Compute::Device(device), Compute::Cores];
     let [found, expected] = [&computes[0], &computes[1]].map(|compute| shown(compute, &baked, &poses));
     for ((cuts, light), (of_cores, of_twin)) in found.iter().zip(&expected) {
         assert!(cuts == of_cores);
-        let sides = |light: &PosedLight| {
-            [&light.growth, &light.uncovered, &light.bounce]
-                .map(|sides| [sides.front.clone(), sides.back.clone()].concat())
-        };
-        let differ = sides(light).iter().zip(sides(of_twin)).map(|(a, b)| farthest(a, &b)).fold(0.0, f32::max);
+        let differ = values_of(light).iter().zip(values_of(of_twin)).map(|(a, b)| farthest(a, &b)).fold(0.0, f32::max);
         println!("light of a pose differs by {differ}");
         assert!(differ < 1e-4);
     }
@@ -470,6 +486,95 @@ fn a_rig_lights_poses_on_the_adapter_as_on_the_cores() {
     assert!(found == of_cores && found != expected[0].0, "coarse cuts");
     let growth = |pose: usize| &expected[pose].1.growth.front;
     assert!(farthest(growth(0), growth(1)) > 0.1 && expected[0].0 != expected[1].0, "negative control: another pose");
+}
+
+/// Scenes with diffuse and glossy surfaces, sheets that are seen from both sides, and a block that lay near the floor.
+fn scenes_of_vertices() -> [Baked; 3] {
+    let mut shiny = blocked(glossy(0.5), 8);
+    shiny.scene.materials[0].model = BrdfModel::Ggx;
+    let mut sheets = blocked(white(), 8);
+    sheets.two_sided.fill(true);
+    let mut low = blocked(white(), 8);
+    let blocker = low.scene.mesh.positions.len() - 8;
+    low.scene.mesh.positions[blocker..].iter_mut().for_each(|position| position.y -= 0.9);
+    low.vertex_valid[..4].fill(false);
+    [shiny, sheets, low].map(Baked::from)
+}
+
+/// A rig under a sky and a lamp.
+fn lit_rig(compute: &Compute, baked: &Baked) -> Edited<PoseRig> {
+    let mut rig = Edited::new(baked, PoseRig::new(baked, compute, ImplicitDetail::OF_A_DRAG));
+    rig.set_environment(Some(Renderer::new(baked.clone()).lighting(&sky(), 64)));
+    rig.set_lights(&[point_light(Vec3::new(1.0, 2.0, 0.0), 5.0)]);
+    rig.situation.eye = Vec3::new(0.0, 1.5, 3.5);
+    rig
+}
+
+/// All values of growth, uncovered light and bounce.
+fn values_of(light: &PosedLight) -> [Vec<Vec3>; 3] {
+    [&light.growth, &light.uncovered, &light.bounce].map(|sides| [&sides.front[..], &sides.back].concat())
+}
+
+/// Compiles what glossy leaves of a scene need, so that the adapter takes them at once.
+fn compile_gloss(device: &SharedDevice, baked: &Baked) {
+    compiled(device, &ModelSet::of(&Appearance::of(&baked.dataset.scene)).without_maps());
+}
+
+#[test]
+fn vertices_are_lit_on_the_device_as_on_the_cores() {
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
+    let computes = [Compute::Device(device.clone()), Compute::Cores];
+    // The other one is below the floor, whose back it darkens.
+    let poses = [Vec3::X * 1.4, Vec3::new(0.3, -1.6, 0.0)].map(|translate| posed(Pose { translate, ..Pose::AS_BAKED }));
+    let mut is_there = [false; 5];
+    for baked in scenes_of_vertices() {
+        compile_gloss(&device, &baked);
+        let [found, expected] = computes.each_ref().map(|compute| {
+            let mut rig = lit_rig(compute, &baked);
+            poses.each_ref().map(|poses| {
+                rig.set_poses(&baked, poses);
+                rig.light(2, true)
+            })
+        });
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!(matches!((found, expected), (PosedLighting::OnDevice(_), PosedLighting::OnCores(_))));
+            let (found, expected) = (found.known(), expected.known());
+            assert!(found.is_moved == expected.is_moved);
+            let pairs = values_of(found).into_iter().zip(values_of(expected));
+            let differ = pairs.map(|(found, expected)| farthest(&found, &expected)).fold(0.0, f32::max);
+            println!("light of vertices differs by {differ}");
+            // The light of leaves differs by at most 1e-5 of its mean, which is below 10.
+            assert!(differ < 1e-4, "{differ}");
+            let has_light = |of: &[Vec3]| of.iter().any(|light| *light != Vec3::ZERO);
+            let PosedLight { growth, uncovered, bounce, .. } = expected;
+            for (is_there, side) in
+                is_there.iter_mut().zip([&growth.front, &growth.back, &bounce.front, &bounce.back, &uncovered.front])
+            {
+                *is_there |= has_light(side);
+            }
+        }
+        let [one, other] = found.each_ref().map(|light| values_of(light.known()));
+        assert!(farthest(&one[0], &other[0]) > 0.1 && farthest(&one[2], &other[2]) > 0.01, "negative control: poses");
+    }
+    assert!(is_there == [true; 5], "scenes have all of it: {is_there:?}");
+}
+
+#[test]
+fn light_that_stays_has_its_bits_on_the_device() {
+    let Some((_one_at_a_time, device)) = on_adapter(shared_device) else { return };
+    for baked in scenes_of_vertices() {
+        compile_gloss(&device, &baked);
+        let mut rig = lit_rig(&Compute::Device(device.clone()), &baked);
+        let mut changes = |poses: &Poses| {
+            rig.set_poses(&baked, poses);
+            let light = rig.light(2, true);
+            assert!(matches!(light, PosedLighting::OnDevice(_)));
+            values_of(light.known()).map(|values| values.iter().filter(|value| **value != Vec3::ZERO).count())
+        };
+        let moved = changes(&posed(Pose { translate: Vec3::X * 0.4, ..Pose::AS_BAKED }));
+        assert!(moved[0] > 0 && moved[2] > 0, "negative control: {moved:?}");
+        assert_eq!(changes(&Poses::default()), [0; 3], "back again");
+    }
 }
 
 #[test]

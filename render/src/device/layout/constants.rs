@@ -17,6 +17,19 @@ pub const TWO_SIDED: u32 = 1 << 31;
 pub const MOST_DIRECTIONS: usize = 2048;
 /// A vertex that moved, among those that get cuts.
 pub const MOVED: u32 = 1 << 31;
+/// What leaves send: the light of the last bounce, what they emit, or all that a picture shows of them.
+pub const SENDS_LAST: u32 = 0;
+pub const SENDS_EMISSION: u32 = 1;
+pub const SENDS_ALL: u32 = 2;
+/// States of a vertex whose light is made on the device.
+pub const VERTEX_IS_OPEN: u32 = 1;
+pub const VERTEX_IS_MOVED: u32 = 2;
+pub const VERTEX_HAS_NEW_CUT: u32 = 4;
+/// Planes of the texture of `posed.wgsl`.
+pub const POSED_PLANES: u32 = 3;
+pub const POSED_GROWTH: u32 = 0;
+pub const POSED_BOUNCE: u32 = 1;
+pub const POSED_UNCOVERED: u32 = 2;
 pub const READS_SECOND_UVS: u32 = 1;
 pub const READS_VERTEX_COLORS: u32 = 2;
 pub const FIELD_NONE: u32 = 0;

@@ -8,7 +8,7 @@ use crate::{
     },
     light::{
         bounce::{MeshlessLight, PatchLight, SourceLighting},
-        implicit::{PosedLight, Sides},
+        implicit::{PosedLight, PosedLighting, Sides},
         local::LocalLighting,
         solver::BounceLight,
     },
@@ -84,7 +84,7 @@ pub struct ShownBounce {
     /// Whether there is only light of vertices, which else the other passes add.
     pub is_of_vertices: bool,
     /// Light of vertices: what posed objects change, and in its bounces those as baked that are of vertices too.
-    pub posed: Option<Arc<PosedLight>>,
+    pub posed: Option<Arc<PosedLighting>>,
 }
 
 impl ShownBounce {
@@ -96,8 +96,8 @@ impl ShownBounce {
             Some(BounceLight::Functions(light)) => Self { functions: Some(light.clone()), ..none },
             Some(BounceLight::Patches(light)) => Self { patches: Some(light.clone()), ..none },
             Some(BounceLight::Vertices(sides)) => {
-                let posed = with_bounce(local.posed.as_deref(), sides);
-                Self { is_of_vertices: true, posed: Some(posed.into()), ..none }
+                let posed = with_bounce(local.posed.as_deref().map(PosedLighting::known), sides);
+                Self { is_of_vertices: true, posed: Some(PosedLighting::OnCores(posed).into()), ..none }
             }
             None => Self { is_of_vertices: local.posed.is_some() && local.components.indirect, ..none },
         }
@@ -106,13 +106,7 @@ impl ShownBounce {
 
 /// Adds bounced light as baked to vertices that have not moved.
 fn with_bounce(posed: Option<&PosedLight>, as_baked: &Sides) -> PosedLight {
-    let dark = || Sides::dark(as_baked.front.len());
-    let mut sum = posed.cloned().unwrap_or_else(|| PosedLight {
-        is_moved: vec![false; as_baked.front.len()].into(),
-        growth: dark(),
-        uncovered: dark(),
-        bounce: dark(),
-    });
+    let mut sum = posed.cloned().unwrap_or_else(|| PosedLight::as_baked(as_baked.front.len()));
     for (sums, side) in [(&mut sum.bounce.front, &as_baked.front), (&mut sum.bounce.back, &as_baked.back)] {
         let stays = sums.iter_mut().zip(side).zip(&*sum.is_moved).filter(|(_, moved)| !**moved);
         stays.for_each(|((sum, as_baked), _)| *sum += *as_baked);

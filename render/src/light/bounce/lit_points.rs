@@ -11,7 +11,14 @@ use crate::{
     light::situation::Changes,
 };
 use glam::Vec3;
-use lapidary_core::{lights::Light, offset, ray::spatial_order, scene::Mesh, surfel::Surfel};
+use lapidary_core::{
+    implicit::{Lighting, Sky},
+    lights::Light,
+    offset,
+    ray::spatial_order,
+    scene::Mesh,
+    surfel::Surfel,
+};
 use rayon::prelude::*;
 
 /// Points with their direct light and reflectance.
@@ -125,6 +132,11 @@ impl LitPoints {
         let appearance = ResolvedAppearance::from(appearance.clone());
         let points = self.points.par_iter().map(|point| appearance.albedo_and_emission(&scene.mesh, point.place));
         (self.albedo, self.emission) = points.unzip();
+    }
+
+    /// The points as leaves of a forest that receive their [`Self::irradiance`] and light of a sky.
+    pub fn lighting<'a>(&'a self, received: &'a [Vec3], sky: Sky<'a>) -> Lighting<'a> {
+        Lighting { reflectance: &self.albedo, emitted: &self.emission, received, sky }
     }
 
     /// Irradiance in W/m².

@@ -2,7 +2,7 @@
 //! baked, and rays where an object moved.
 
 use super::{Sides, vertices::VertexLeaves};
-use crate::baked::Baked;
+use crate::{baked::Baked, device::layout::constants::VERTEX_IS_OPEN};
 use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
@@ -15,7 +15,7 @@ use lapidary_core::{
 use rayon::prelude::*;
 
 /// Least open share of the leaves beside a vertex that can give it light.
-const LEAST_OPEN: f32 = 0.05;
+pub(crate) const LEAST_OPEN: f32 = 0.05;
 
 /// How far leaves and vertices are uncovered, as baked.
 pub struct Covered {
@@ -153,6 +153,12 @@ impl Open {
     /// Open share of each leaf, 0 to 1.
     pub fn leaves(&self) -> &[f32] {
         &self.leaves
+    }
+
+    /// `VERTEX_...` of each vertex, with what else is known of it.
+    pub fn states(&self, else_known: impl Fn(usize) -> u32 + Sync) -> Vec<u32> {
+        let vertices = self.vertices.par_iter().enumerate().with_min_len(1024);
+        vertices.map(|(vertex, &open)| else_known(vertex) | if open > 0.0 { VERTEX_IS_OPEN } else { 0 }).collect()
     }
 
     /// Values at the vertices from the open leaves' values. Covered vertices are dark.

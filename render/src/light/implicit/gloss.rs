@@ -2,13 +2,13 @@
 
 use crate::{
     appearance::{Appearance, ResolvedAppearance},
-    device::{LeafLobes, ModelSet, ReflectedLight},
+    device::{LeafLobes, ModelSet, SeenLight},
     light::bounce::LitPoints,
 };
 use glam::{Mat3, Vec3, Vec3A, Vec4};
 use lapidary_core::{
     brdf::{SurfaceBrdf, Values},
-    implicit::{BinLayout, EMPTY, Sky, Views, disc_forest::DiscForest},
+    implicit::{BinLayout, EMPTY, Lighting, Sky, Views, disc_forest::DiscForest},
     material::ResolvedMaterial,
     scene::Mesh,
     simd::Vec3x8,
@@ -16,11 +16,15 @@ use lapidary_core::{
     surfel::Surfel,
 };
 use rayon::prelude::*;
-use std::{collections::HashMap, f32::consts::PI, sync::Arc};
+use std::{
+    collections::HashMap,
+    f32::consts::{FRAC_1_PI, PI},
+    sync::Arc,
+};
 use wide::f32x8;
 
 /// Least albedo of a channel whose gloss is compared with diffuse light.
-const LEAST_ALBEDO: f32 = 1e-4;
+pub(crate) const LEAST_GLOSSY_ALBEDO: f32 = 1e-4;
 
 /// Leaves whose materials have lobes, under some materials. Copies share them.
 #[derive(Clone, Default)]
@@ -48,10 +52,34 @@ pub struct SeenLeaves<'a> {
     pub sky: Sky<'a>,
 }
 
+/// What a leaf reflects toward the eye, as radiance in W/(m² sr).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReflectedLight {
+    /// Of the sky.
+    pub sky: Vec3,
+    /// Of the leaves that it sees.
+    pub leaves: Vec3,
+    /// Irradiance from these leaves, in W/m².
+    pub irradiance: Vec3,
+}
+
 /// Irradiance of the leaves in W/m².
 pub struct Received<'a> {
     pub from_sky: &'a mut [Vec3],
     pub from_leaves: &'a mut [Vec3],
+}
+
+/// Radiance in W/(m² sr) that the nodes of a forest send into the picture. The twin on an adapter is `implicit_pull_kernel.wgsl`.
+pub(crate) fn sent_by(
+    forest: &DiscForest,
+    lighting: &Lighting,
+    SeenLight { direct, bounced, .. }: &SeenLight,
+) -> Vec<Vec3A> {
+    let arriving = lighting.received.iter().zip(direct.iter().zip(bounced));
+    let arriving = arriving.map(|(received, (direct, bounced))| *received + *direct + *bounced);
+    let surfaces = lighting.reflectance.iter().zip(lighting.emitted);
+    let sent = arriving.zip(surfaces).map(|(e, (albedo, emission))| (e * *albedo * FRAC_1_PI + *emission).into());
+    forest.pull(&sent.collect::<Vec<Vec3A>>())
 }
 
 impl Gloss {
@@ -119,8 +147,8 @@ impl Gloss {
     }
 
     /// The shading frames of the leaves.
-    pub fn frames(&self, seen: &SeenLeaves) -> Vec<Mat3> {
-        self.leaves.par_iter().map(|glossy| seen.mesh.frame(&seen.surfels[glossy.leaf as usize])).collect()
+    pub fn frames(&self, mesh: &Mesh, surfels: &[Surfel]) -> Vec<Mat3> {
+        self.leaves.par_iter().map(|glossy| mesh.frame(&surfels[glossy.leaf as usize])).collect()
     }
 
     /// What the leaves reflect toward the eye, by what they see; `None` for those that face away. The twin on an adapter is
@@ -152,7 +180,7 @@ impl Gloss {
 impl GlossyLeaf {
     /// The irradiance of a diffuse leaf that reflects so much; `otherwise` in channels that reflect nothing.
     fn irradiance(&self, reflected: Vec3, otherwise: Vec3) -> Vec3 {
-        let least = Vec3::splat(LEAST_ALBEDO);
+        let least = Vec3::splat(LEAST_GLOSSY_ALBEDO);
         Vec3::select(self.albedo.cmpge(least), PI * reflected / self.albedo.max(least), otherwise)
     }
 

@@ -2,13 +2,13 @@
 
 use super::{
     cuts::NewCuts,
-    gloss::{Gloss, SeenLeaves},
-    seen::{CoreSight, LeafSight},
+    gloss::Gloss,
+    seen::{CoreSight, LeafSight, Reflection, VertexLighting},
 };
 use crate::{
     device::{
-        CutRequest, CutTables, DeviceCuts, GlossRequest, GlossTable, GpuForest, GpuImplicit, ReflectedLight, SeenLight,
-        SharedDevice,
+        CutRequest, CutTables, DeviceCuts, GlossRequest, GlossTable, GpuForest, GpuImplicit, SeenLight, SharedDevice,
+        VertexPlanes, VertexRequest,
     },
     error::BackendError,
 };
@@ -103,21 +103,25 @@ impl LeafSight for GpuSight {
             return None;
         }
         if self.tables.is_none() {
-            let (beside, starts) = asked.beside.rows();
-            self.tables = Some(gpu.cut_tables(&directions, &beside, starts));
+            self.tables = Some(gpu.cut_tables(&directions));
         }
         let height = directions.len().ilog2();
         let least: Vec<u64> = (0..height).map(|depth| criterion.least_split(1 << (height - depth))).collect();
         let vertices: Vec<_> = asked.vertices.iter().map(|&vertex| (vertex, asked.is_moved(vertex))).collect();
         let stored_texels = asked.dataset.cuts.stored_texels();
-        let request = CutRequest { vertices: &vertices, open: asked.open, least: &least, stored_texels };
+        let beside = asked.beside.on_device(gpu);
+        let request = CutRequest { beside, vertices: &vertices, open: asked.open, least: &least, stored_texels };
         let tables = self.tables.take()?;
         let cuts = self.on_gpu(forest, |gpu| gpu.cuts(&tables, &request));
         self.tables = Some(tables);
         cuts.flatten()
     }
 
-    fn takes_gloss(&mut self, gloss: &Gloss, mesh: &Mesh, surfels: &[Surfel]) -> bool {
+    fn lights_vertices(&mut self, gloss: &Gloss, mesh: &Mesh, surfels: &[Surfel]) -> bool {
+        if gloss.is_empty() {
+            self.gloss = None;
+            return self.gpu.is_some();
+        }
         let is_known = |(known, _): &(Gloss, Option<GlossTable>)| known.is_same(gloss);
         if !self.gloss.as_ref().is_some_and(is_known) {
             self.gloss = self.table_of(gloss, mesh, surfels).map(|table| (gloss.clone(), table));
@@ -125,13 +129,29 @@ impl LeafSight for GpuSight {
         self.gpu.is_some() && self.gloss.as_ref().is_some_and(|(_, table)| table.is_some())
     }
 
-    fn reflected(&mut self, gloss: &Gloss, seen: &SeenLeaves) -> Option<Vec<Option<ReflectedLight>>> {
-        let (known, table) = self.gloss.take()?;
-        let asked = GlossRequest { frames: &gloss.frames(seen), eye: seen.eye, sent: seen.sent, sky: seen.sky };
-        let reflected =
-            self.on_gpu(seen.forest, |gpu| table.as_ref().map(|table| gpu.gloss(table, &asked)).transpose());
-        self.gloss = Some((known, table));
-        reflected.flatten()
+    fn at_vertices(&mut self, forest: &DiscForest, asked: &VertexLighting) -> Option<VertexPlanes> {
+        let known = self.gloss.take();
+        let table = known.as_ref().and_then(|(_, table)| table.as_ref());
+        let made = self.on_gpu(forest, |gpu| {
+            if let Some((lighting, bounces)) = &asked.relight {
+                gpu.relight(lighting, *bounces)?;
+            }
+            let gloss = table.zip(asked.reflection);
+            if let Some((table, Reflection { eye, has_sent })) = gloss {
+                let frames = &asked.gloss.frames(asked.mesh, asked.surfels);
+                gpu.gloss(table, &GlossRequest { frames, eye, has_sent })?;
+            }
+            gpu.at_vertices(&VertexRequest {
+                beside: asked.beside.on_device(gpu),
+                open: asked.open.leaves(),
+                states: asked.states,
+                weighs_albedo: !asked.gloss.is_empty(),
+                gloss: gloss.map(|(table, _)| table),
+                as_baked: asked.as_baked,
+            })
+        });
+        self.gloss = known;
+        made.flatten()
     }
 
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight {

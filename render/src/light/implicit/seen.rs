@@ -1,12 +1,8 @@
 //! Visibility of leaves and the light they receive, in one pose after another: on the cores here, on a graphics adapter in
 //! [`super::gpu_sight`].
 
-use super::{
-    cuts::NewCuts,
-    gloss::{Gloss, SeenLeaves},
-    gpu_sight::GpuSight,
-};
-use crate::device::{Compute, DeviceCuts, ReflectedLight, SeenLight};
+use super::{covered::Open, cuts::NewCuts, gloss::Gloss, gpu_sight::GpuSight, vertices::VertexLeaves};
+use crate::device::{Compute, DeviceCuts, SeenLight, VertexPlanes};
 use glam::Vec3;
 use lapidary_core::{
     implicit::{BinLayout, Bins, Drag, LeafLight, Lighting, Views, disc_forest::DiscForest, forest::SurfelForest},
@@ -14,6 +10,33 @@ use lapidary_core::{
     surfel::Surfel,
 };
 use std::{borrow::Cow, collections::BTreeSet, ops::Range};
+
+/// What is asked of the light of vertices where visibility is.
+pub struct VertexLighting<'a> {
+    /// Light of the leaves and the bounces to follow, unless that of the last call stays.
+    pub relight: Option<(Lighting<'a>, u32)>,
+    pub beside: &'a VertexLeaves,
+    pub open: &'a Open,
+    /// `VERTEX_...` of each vertex.
+    pub states: &'a [u32],
+    /// The glossy leaves on their mesh.
+    pub gloss: &'a Gloss,
+    pub mesh: &'a Mesh,
+    pub surfels: &'a [Surfel],
+    /// What they reflect toward which eye, if they do so.
+    pub reflection: Option<Reflection>,
+    /// Light as baked, from which a pose differs; `None` for that light itself.
+    pub as_baked: Option<&'a VertexPlanes>,
+}
+
+/// What glossy leaves reflect toward the eye: the sky, and maybe other leaves.
+#[derive(Clone, Copy)]
+pub struct Reflection {
+    /// Position of the eye in meters.
+    pub eye: Vec3,
+    /// Whether they reflect other leaves, too.
+    pub has_sent: bool,
+}
 
 /// Visibility of the leaves of a forest.
 pub trait LeafSight: Send {
@@ -29,14 +52,14 @@ pub trait LeafSight: Send {
         None
     }
 
-    /// Whether [`Self::reflected`] tells what glossy leaves on a mesh reflect. If not, the cores do, from views.
-    fn takes_gloss(&mut self, _: &Gloss, _: &Mesh, _: &[Surfel]) -> bool {
+    /// Whether [`Self::at_vertices`] lights vertices beside glossy leaves on a mesh. If not, the cores do.
+    fn lights_vertices(&mut self, _: &Gloss, _: &Mesh, _: &[Surfel]) -> bool {
         false
     }
 
-    /// What glossy leaves that it took reflect toward the eye; `None` for those that face away, and instead of all after a failure. The
-    /// forest must not have changed since the last look.
-    fn reflected(&mut self, _: &Gloss, _: &SeenLeaves) -> Option<Vec<Option<ReflectedLight>>> {
+    /// Light of vertices made where visibility is, after [`Self::lights_vertices`]; `None` if the cores have to make it. The forest must
+    /// not have changed since the last look.
+    fn at_vertices(&mut self, _: &DiscForest, _: &VertexLighting) -> Option<VertexPlanes> {
         None
     }
 

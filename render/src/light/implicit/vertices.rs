@@ -1,17 +1,20 @@
 //! The leaves beside each vertex, on both of its sides.
 
+use crate::device::{GpuForest, LeavesBeside};
 use lapidary_core::{
     implicit::{Receiver, VertexWeights, disc_forest::DiscForest},
     mesh::Mesh,
     transport::Coefficient,
 };
-use std::ops::Range;
+use std::{ops::Range, sync::OnceLock};
 
 /// Weights of leaves at vertices.
 pub struct VertexLeaves {
     front: VertexWeights,
     /// Empty for vertices of one-sided surfaces.
     back: VertexWeights,
+    /// The same on a device, from its first use on.
+    on_device: OnceLock<LeavesBeside>,
 }
 
 impl VertexLeaves {
@@ -31,7 +34,7 @@ impl VertexLeaves {
         let front: Vec<_> = all().map(|at| Some(receiver(at, 1.0))).collect();
         let back: Vec<_> = all().map(|at| is_two_sided[at.0].then(|| receiver(at, -1.0))).collect();
         let [front, back] = [front, back].map(|receivers| VertexWeights::new(forest, &receivers));
-        Self { front, back }
+        Self { front, back, on_device: OnceLock::new() }
     }
 
     /// The leaves beside a vertex on all lit sides, with their weights.
@@ -39,14 +42,17 @@ impl VertexLeaves {
         [&self.front, &self.back].into_iter().flat_map(move |side| side.row(vertex as usize)).copied()
     }
 
-    /// The leaves beside all vertices, one vertex after another, and where those of each begin and the last end.
-    pub fn rows(&self) -> (Vec<(u32, f32)>, Vec<u32>) {
-        let (mut leaves, mut starts) = (Vec::new(), vec![0]);
-        for vertex in 0..self.front.len() as u32 {
-            leaves.extend(self.of(vertex));
-            starts.push(leaves.len() as u32);
-        }
-        (leaves, starts)
+    /// The same on the device of a forest, which is that of all calls.
+    pub fn on_device(&self, forest: &GpuForest) -> &LeavesBeside {
+        self.on_device.get_or_init(|| {
+            let (mut leaves, mut starts) = (Vec::new(), vec![0]);
+            for (vertex, side) in (0..self.front.len()).flat_map(|vertex| [(vertex, &self.front), (vertex, &self.back)])
+            {
+                leaves.extend_from_slice(side.row(vertex));
+                starts.push(leaves.len() as u32);
+            }
+            forest.leaves_beside(&leaves, starts)
+        })
     }
 
     /// The leaves from the first to the last beside some vertices.

@@ -1,0 +1,5 @@
+// A leaf beside a vertex.
+struct LeafBeside {
+    leaf: u32,
+    weight: f32,
+}
