@@ -26,6 +26,7 @@ use crate::{
         sky::SkyGrid,
     },
 };
+#[cfg(test)]
 pub(crate) use covered::LEAST_OPEN;
 use covered::{Covered, Open};
 use cuts::NewCuts;
