@@ -79,14 +79,16 @@ fn received_at(side: u32, is_open: bool) -> Received {
     );
 }
 
-// Growth, bounce and uncovered light, each exactly 0 where light is unchanged.
+// Growth, bounce and uncovered light, each exactly 0 where light is unchanged. Equal light is asked for: drivers may fuse the product in a
+// difference with it, which leaves what the product was rounded by.
 fn write_change(texel: u32, state: u32, now: Received) {
     let before = Received(baked[texel].xyz, baked[uniforms.plane + texel].xyz);
     let is_moved = (state & VERTEX_IS_MOVED) != 0u;
     let ratio = ratio_of(now.sky, before.sky);
     let has_ratio = (state & VERTEX_HAS_NEW_CUT) == 0u;
-    let rest = max(now.sky - before.sky * ratio, vec3(0.0));
-    let more = now.others - select(before.others, vec3(0.0), is_moved);
+    let rest = select(max(now.sky - before.sky * ratio, vec3(0.0)), vec3(0.0), now.sky == before.sky);
+    let others = select(before.others, vec3(0.0), is_moved);
+    let more = select(now.others - others, vec3(0.0), now.others == others);
     texels[POSED_GROWTH * uniforms.plane + texel] = vec4(select(vec3(0.0), ratio - 1.0, has_ratio), 0.0);
     texels[POSED_BOUNCE * uniforms.plane + texel] = vec4(more, select(0.0, 1.0, is_moved));
     texels[POSED_UNCOVERED * uniforms.plane + texel] = vec4(select(vec3(0.0), rest, has_ratio), 0.0);

@@ -1,4 +1,4 @@
-// Light changes of posed objects, and bounced light at the vertices. Twin of `PosedLight` in render/src/light/implicit.rs.
+// Light changes of posed objects, and bounced light at the vertices. Twin of `PosedLight` in render/src/light/implicit/posed_light.rs.
 
 // Three planes, one below the other: growth, bounced irradiance, whose alpha is 1 for a moved vertex, and irradiance of uncovered
 // surfaces. In each, row by row, front and back of one vertex after another. A single texel without poses.

@@ -137,8 +137,8 @@ pub trait Backend: Send {
     /// A lost device.
     fn set_appearance(&mut self, appearance: &Appearance) -> Result<Vec<String>, BackendError>;
 
-    /// Lights the scene; `lighting` is made from `light` for the scene's tree, and computed when it is first read. Returns the changes made to fit the map, in
-    /// sentences.
+    /// Lights the scene; `lighting` is made from `light` for the scene's tree, and computed when it is first read. Returns the changes made
+    /// to fit the map, in sentences.
     ///
     /// # Errors
     /// A lost device.

@@ -21,7 +21,7 @@ impl BoxHierarchy {
     /// Uploads it.
     ///
     /// # Errors
-    /// A hierarchy that the adapter has no room for.
+    /// A hierarchy that the adapter has no room for, or a lost device.
     fn new(gpu: &GpuDevice, scene: &Intersector) -> Result<Self, BackendError> {
         let (nodes, triangles) = scene.hierarchy();
         gpu.within("the hierarchy", "levels", levels(&nodes) as u64, MOST_LEVELS as u64, Remedy::Cpu)?;
@@ -35,7 +35,8 @@ impl BoxHierarchy {
         gpu.within("the triangles", "bytes", bytes, gpu.max_storage_bytes(), Remedy::Cpu)?;
         let nodes = storage(gpu, "nodes of rays", bytemuck::cast_slice(&nodes));
         let corners = storage(gpu, "triangles of rays", bytemuck::cast_slice(corners));
-        Ok(Self { group: Hierarchy { nodes: &nodes, corners: &corners }.bind(gpu), nodes, corners })
+        let made = Self { group: Hierarchy { nodes: &nodes, corners: &corners }.bind(gpu), nodes, corners };
+        gpu.check().map(|()| made)
     }
 }
 

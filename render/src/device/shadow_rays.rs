@@ -62,11 +62,16 @@ impl GpuShadowRays {
         Arc::ptr_eq(&self.gpu, &device.gpu) && self.scene == scene.number()
     }
 
+    /// Whether it has not failed.
+    pub fn works(&self) -> bool {
+        !self.has_failed.load(Ordering::Relaxed)
+    }
+
     /// Bits of the rays that meet nothing, eight to a byte; `None` from the first failure on.
     pub fn open(&self, rays: &[ShadowRay]) -> Option<Vec<u8>> {
         let mut words = Vec::with_capacity(rays.len().div_ceil(32));
         for some in rays.chunks(Self::AT_A_TIME) {
-            let traced = if self.has_failed.load(Ordering::Relaxed) { None } else { self.trace(some).ok() };
+            let traced = if self.works() { self.trace(some).ok() } else { None };
             self.has_failed.store(traced.is_none(), Ordering::Relaxed);
             words.extend(traced?);
         }

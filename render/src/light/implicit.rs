@@ -37,8 +37,7 @@ use lapidary_core::{
     implicit::forest::SurfelForest,
     scene::{Mesh, pose::Poses},
 };
-pub use posed_light::{DeviceLight, PosedLighting};
-pub use posed_light::{PosedLight, Sides};
+pub use posed_light::{DeviceLight, PosedLight, PosedLighting, Sides};
 use rayon::prelude::*;
 use seen::{LeafSight, Reflection, VertexLighting, sight};
 use std::{collections::BTreeSet, sync::Arc};
@@ -338,6 +337,24 @@ impl PoseRig {
     }
 }
 
+impl PoseRig {
+    /// Lights the leaves of both poses by rays of the same, so that unchanged light has its bits. The picture's rays to suns meet the posed
+    /// scene on the device; for other lights alone it is not taken there.
+    fn light_leaves(&mut self, situation: &Situation, changes: Changes) {
+        let lights = [&*situation.lights, &*situation.suns].concat();
+        let mut by = |compute: &Compute| {
+            [&mut self.posed, &mut self.as_baked].map(|seen| {
+                seen.points.update((&situation.appearance, &lights), compute, changes);
+                seen.points.is_on_device()
+            })
+        };
+        let [posed, as_baked] = by(if situation.suns.is_empty() { &Compute::Cores } else { &situation.compute });
+        if posed != as_baked {
+            by(&Compute::Cores);
+        }
+    }
+}
+
 impl Relight for PoseRig {
     fn update(&mut self, situation: &Situation, changes: Changes) {
         if changes.poses {
@@ -350,12 +367,7 @@ impl Relight for PoseRig {
             self.gloss = Gloss::new(&situation.appearance, &self.as_baked.points);
         }
         self.eye = situation.eye;
-        let lights = [&*situation.lights, &*situation.suns].concat();
-        // The picture's rays to suns meet the posed scene on the device; for other lights alone it is not taken there.
-        let compute = if situation.suns.is_empty() { &Compute::Cores } else { &situation.compute };
-        for seen in [&mut self.posed, &mut self.as_baked] {
-            seen.points.update((&situation.appearance, &lights), compute, changes);
-        }
+        self.light_leaves(situation, changes);
         if changes.relight() {
             (self.lit_as_baked, self.lit_there, self.as_baked.lit) = (None, None, None);
         }

@@ -98,6 +98,8 @@ impl ShownEnvironment {
         scene: &GpuScene,
         (light, lighting): (&Illumination, &Arc<EnvironmentLight>),
     ) -> Result<(), BackendError> {
+        // Kernels answer for their own errors alone.
+        pipelines.gpu().check()?;
         let nodes = lighting.turned().and_then(|turned| self.turned(pipelines, turned));
         let (before, passes) = (self.light.as_ref().map(|(before, _)| before), &pipelines.passes);
         let lit = GpuLight::new(pipelines.gpu(), &passes.lit, scene, (light, lighting, nodes), before)?;

@@ -194,6 +194,7 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ),
         ("FanUniforms", shape!(layout::FanUniforms, directions)),
         ("Fan", shape!(layout::Fan, frame, origin)),
+        ("ShadowRayUniforms", shape!(layout::ShadowRayUniforms, rays)),
         ("ShadowRay", shape!(layout::ShadowRay, origin, reach, direction, padding)),
         ("FanHit", shape!(layout::FanHit, triangle, distance, barycentric)),
         ("RayOrigin", shape!(layout::RayOrigin, origin, height, normal, is_above)),

@@ -63,8 +63,8 @@ impl<'a> SampledLights<'a> {
     /// Irradiance of points, eight at a time.
     fn irradiance(&self, scene: &Intersector, at: &ReceivingPoints, offset: f32) -> Vec<[Vec3; 8]> {
         let of_eight = |eight: &[u32]| {
-            let sent = self.sent(&at.eight(eight), offset);
-            self.sum(&sent, |i| sent[i].passed(scene))
+            let points = at.eight(eight);
+            self.sum(self.sent(&points, offset).map(|sent| (sent.received, sent.passed(scene))))
         };
         at.order.par_chunks(8).with_min_len(8).map(of_eight).collect()
     }
@@ -76,11 +76,12 @@ impl<'a> SampledLights<'a> {
         let mut irradiance = Vec::with_capacity(at.order.len().div_ceil(8));
         for some in at.order.chunks(8 * at_a_time) {
             let sent: Vec<Vec<EightSent>> =
-                some.par_chunks(8).with_min_len(8).map(|eight| self.sent(&at.eight(eight), offset)).collect();
+                some.par_chunks(8).with_min_len(8).map(|eight| self.sent(&at.eight(eight), offset).collect()).collect();
             let rays: Vec<ShadowRay> = sent.iter().flatten().flat_map(EightSent::rays).collect();
             let open = device.open(&rays)?;
             let of_eight = |(eight, sent): (usize, &Vec<EightSent>)| {
-                self.sum(sent, |i| from_fn(|lane| f32::from(open[eight * samples + i] >> lane & 1)))
+                let passed = open[eight * samples..].iter().map(|open| from_fn(|lane| f32::from(open >> lane & 1)));
+                self.sum(sent.iter().map(|sent| sent.received).zip(passed))
             };
             irradiance.par_extend(sent.par_iter().enumerate().with_min_len(8).map(of_eight));
         }
@@ -88,24 +89,20 @@ impl<'a> SampledLights<'a> {
     }
 
     /// What is sent to up to eight points with their normals, light by light and sample by sample.
-    fn sent(&self, points: &[(&Surfel, Vec3)], offset: f32) -> Vec<EightSent> {
-        let of_light = |(light, pattern): &(LightSampler, Vec<Vec2>)| {
-            pattern.iter().map(|&u| EightSent::new(points, light, u, offset)).collect::<Vec<_>>()
-        };
-        self.0.iter().flat_map(of_light).collect()
+    fn sent(&self, points: &[(&Surfel, Vec3)], offset: f32) -> impl Iterator<Item = EightSent> {
+        let samples = self.0.iter().flat_map(|(light, pattern)| pattern.iter().map(move |&u| (light, u)));
+        samples.map(move |(light, u)| EightSent::new(points, light, u, offset))
     }
 
-    /// Irradiance of eight points from what passes of each sample.
-    fn sum(&self, sent: &[EightSent], passed: impl Fn(usize) -> [f32; 8]) -> [Vec3; 8] {
-        let (mut sums, mut sample) = ([Vec3::ZERO; 8], 0);
+    /// Irradiance of eight points from what each sample sends, and the share of it that passes.
+    fn sum(&self, mut samples: impl Iterator<Item = ([Vec3; 8], [f32; 8])>) -> [Vec3; 8] {
+        let mut sums = [Vec3::ZERO; 8];
         for (_, pattern) in &self.0 {
-            let mut received = [Vec3::ZERO; 8];
-            for _ in pattern {
-                let passed = passed(sample);
-                received.iter_mut().enumerate().for_each(|(i, sum)| *sum += sent[sample].received[i] * passed[i]);
-                sample += 1;
+            let mut of_light = [Vec3::ZERO; 8];
+            for (received, passed) in samples.by_ref().take(pattern.len()) {
+                of_light.iter_mut().enumerate().for_each(|(i, sum)| *sum += received[i] * passed[i]);
             }
-            sums.iter_mut().zip(received).for_each(|(sum, received)| *sum += received / pattern.len() as f32);
+            sums.iter_mut().zip(of_light).for_each(|(sum, of_light)| *sum += of_light / pattern.len() as f32);
         }
         sums
     }

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     appearance::{Appearance, ResolvedAppearance},
     baked::Baked,
-    device::{Compute, GpuShadowRays, SharedDevice},
+    device::{Compute, GpuShadowRays},
     light::situation::Changes,
 };
 use glam::Vec3;
@@ -15,7 +15,7 @@ use lapidary_core::{
     implicit::{Lighting, Sky},
     lights::Light,
     offset,
-    ray::spatial_order,
+    ray::{HierarchyNumber, spatial_order},
     scene::Mesh,
     surfel::Surfel,
 };
@@ -30,8 +30,10 @@ pub(crate) struct LitPoints {
     /// Shading normals, one per point: the bounce is then as bright as the visible surface.
     normals: Vec<Vec3>,
     area_samples: u32,
-    /// The scene on a device, if it takes it and the rays to lights.
+    /// The scene on a device that traces rays to lights.
     on_device: Option<GpuShadowRays>,
+    /// A scene that the device did not take.
+    refused: Option<HierarchyNumber>,
     albedo: Vec<Vec3>,
     emission: Vec<Vec3>,
     /// Irradiance of the points from local lights.
@@ -54,6 +56,7 @@ impl LitPoints {
             normals,
             area_samples,
             on_device: None,
+            refused: None,
             albedo,
             emission,
             lights,
@@ -102,12 +105,11 @@ impl LitPoints {
         if changes.appearance {
             self.take_appearance(appearance);
         }
-        if let Compute::Device(device) = compute
-            && !lights.is_empty()
-        {
-            self.take_to_device(device);
-        } else {
-            self.on_device = None;
+        let was_there = self.is_on_device();
+        self.take_to(compute, lights);
+        // All light is by the same rays.
+        if self.is_on_device() != was_there {
+            self.lights = LightGroups::default();
         }
         let at = ReceivingPoints { points: &self.points, normals: &self.normals, order: &self.order };
         let rays = ShadowRays {
@@ -119,12 +121,22 @@ impl LitPoints {
         self.lights.update(lights, |lights| light_irradiance(&at, lights, rays));
     }
 
-    /// Takes the scene to a device, unless it has thin surfaces, or is there. The cores trace what the device does not take.
-    fn take_to_device(&mut self, device: &SharedDevice) {
+    /// Whether a device traces the rays to lights.
+    pub fn is_on_device(&self) -> bool {
+        self.on_device.as_ref().is_some_and(GpuShadowRays::works)
+    }
+
+    /// Takes the scene to a device, unless it is there. The cores trace what it does not take: thin surfaces, and what has no room.
+    fn take_to(&mut self, compute: &Compute, lights: &[Light]) {
         let scene = self.baked.intersector();
-        let known = self.on_device.take().filter(|known| known.is_of(device, scene));
-        let new = || (!scene.has_veils()).then(|| GpuShadowRays::new(device, scene).ok()).flatten();
-        self.on_device = known.or_else(new);
+        let known = self.on_device.take();
+        let Compute::Device(device) = compute else { return };
+        if lights.is_empty() || scene.has_veils() || self.refused == Some(scene.number()) {
+            return;
+        }
+        let known = known.filter(|known| known.is_of(device, scene));
+        self.on_device = known.or_else(|| GpuShadowRays::new(device, scene).ok());
+        self.refused = self.on_device.is_none().then(|| scene.number());
     }
 
     fn take_appearance(&mut self, appearance: &Appearance) {
@@ -187,7 +199,7 @@ mod tests {
         let under = |compute: &Compute, lights: &[Light]| {
             let mut lit = LitPoints::new(&baked, forest.surfels().collect(), 2);
             lit.update((&Appearance::of(&of.scene), lights), compute, Changes::ALL);
-            assert_eq!(lit.on_device.is_some(), matches!(compute, Compute::Device(_)), "it takes a small scene");
+            assert_eq!(lit.is_on_device(), matches!(compute, Compute::Device(_)), "it takes a small scene");
             lit.irradiance()
         };
         let (cores, device) = (Compute::Cores, Compute::Device(device));

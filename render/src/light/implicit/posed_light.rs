@@ -121,13 +121,15 @@ impl DeviceLight {
                 |first| texels.iter().skip(first).step_by(2).map(|&texel| Vec4::from(texel).truncate()).collect();
             Some(Sides { front: side(0), back: side(1) })
         };
-        let read = |plane| sides(plane).unwrap_or_else(|| Sides::dark(self.is_moved.len()));
-        let light = PosedLight {
-            is_moved: self.is_moved.clone(),
-            growth: read(POSED_GROWTH),
-            uncovered: read(POSED_UNCOVERED),
-            bounce: read(POSED_BOUNCE),
+        let read = || {
+            Some(PosedLight {
+                is_moved: self.is_moved.clone(),
+                growth: sides(POSED_GROWTH)?,
+                uncovered: sides(POSED_UNCOVERED)?,
+                bounce: sides(POSED_BOUNCE)?,
+            })
         };
+        let light = read().unwrap_or_else(|| PosedLight::as_baked(self.is_moved.len()));
         if self.has_bounces { light } else { light.without_bounces() }
     }
 }
