@@ -5,7 +5,7 @@
 //! Both come from the same bins, so the picture equals the baked one bit for bit where nothing changed. Moved surfaces have
 //! visibility cuts made from their bins, and their own bounced light. What they covered as baked has such cuts, too.
 
-mod covered;
+pub(crate) mod covered;
 mod cuts;
 pub(crate) mod detail;
 pub(crate) mod gloss;
@@ -26,8 +26,6 @@ use crate::{
         sky::SkyGrid,
     },
 };
-#[cfg(test)]
-pub(crate) use covered::LEAST_OPEN;
 use covered::{Covered, Open};
 use cuts::NewCuts;
 use detail::ImplicitDetail;

@@ -473,7 +473,7 @@ fn shared_constants_have_the_same_values() {
         ("LINE_OPACITY", crate::shade::wireframe::LINE_OPACITY),
         ("LEAST_ALBEDO", crate::sketch::LEAST_ALBEDO),
         ("LEAST_GLOSSY_ALBEDO", crate::light::implicit::gloss::LEAST_GLOSSY_ALBEDO),
-        ("LEAST_OPEN", crate::light::implicit::LEAST_OPEN),
+        ("LEAST_OPEN", crate::light::implicit::covered::LEAST_OPEN),
         ("MOST_GROWTH", crate::light::implicit::MOST_GROWTH),
         ("LEAST_SHARE", crate::sketch::LEAST_SHARE),
         ("OTHER", crate::sketch::OTHER),

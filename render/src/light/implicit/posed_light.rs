@@ -49,7 +49,7 @@ pub struct PosedLight {
 #[derive(Clone, Debug)]
 pub enum PosedLighting {
     OnCores(PosedLight),
-    OnDevice(DeviceLight),
+    OnDevice(Box<DeviceLight>),
 }
 
 /// The light of posed objects on a device.
@@ -82,7 +82,7 @@ impl PosedLight {
 impl PosedLighting {
     /// That of a device.
     pub fn on_device(planes: VertexPlanes, is_moved: Arc<[bool]>) -> Self {
-        Self::OnDevice(DeviceLight { planes, has_bounces: true, is_moved, read: OnceLock::new() })
+        Self::OnDevice(DeviceLight { planes, has_bounces: true, is_moved, read: OnceLock::new() }.into())
     }
 
     /// The light on the cores. That of a device is read back, once; of a lost one it is as baked, and whoever draws there tells.
@@ -96,7 +96,7 @@ impl PosedLighting {
     /// The light on a device, if it was made there.
     pub fn there(&self, gpu: &GpuDevice) -> Option<&DeviceLight> {
         match self {
-            Self::OnDevice(light) if light.planes.are_on(gpu) => Some(light),
+            Self::OnDevice(light) if light.planes.are_on(gpu) => Some(&**light),
             _ => None,
         }
     }
@@ -107,7 +107,7 @@ impl PosedLighting {
         match self {
             Self::OnCores(light) => Self::OnCores(light.without_bounces()),
             Self::OnDevice(light) => {
-                Self::OnDevice(DeviceLight { has_bounces: false, read: OnceLock::new(), ..light.clone() })
+                Self::OnDevice(DeviceLight { has_bounces: false, read: OnceLock::new(), ..(**light).clone() }.into())
             }
         }
     }
