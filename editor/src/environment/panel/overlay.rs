@@ -3,7 +3,7 @@
 //! Samples are fixed in the world, like the tree; the map turns under them.
 
 use super::thumbnail::{adapted, display_color};
-use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, ecolor::Hsva, vec2};
+use egui::{Color32, Context, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2, ecolor::Hsva, vec2};
 use glam::Vec3;
 use lapidary_core::{
     color::luminance,
@@ -12,7 +12,8 @@ use lapidary_core::{
     light_tree::LightTree,
     sphere::{GOLDEN_TURN, SPHERE},
 };
-use lapidary_render::SceneLighting;
+use lapidary_render::{EnvironmentLight, SceneLighting};
+use lapidary_studies::jobs::spawn;
 use std::{f32::consts::TAU, ops::Range, sync::Arc};
 
 /// Half the side of a sample's dot in points.
@@ -32,11 +33,13 @@ pub struct Overlay {
     pub cut: bool,
     sample_mesh: Option<(SampleKey, Arc<Mesh>)>,
     marks: Option<(u64, Vec<Mark>)>,
+    /// The revision whose light a thread computes.
+    awaited: Option<u64>,
 }
 
 impl Default for Overlay {
     fn default() -> Self {
-        Self { samples: false, subtree_depth: 3, cut: false, sample_mesh: None, marks: None }
+        Self { samples: false, subtree_depth: 3, cut: false, sample_mesh: None, marks: None, awaited: None }
     }
 }
 
@@ -81,25 +84,41 @@ impl Overlay {
         painter.add(Shape::Mesh(mesh.clone()));
     }
 
-    /// Draws the nodes of the illumination cut; returns the one under the pointer.
+    /// Draws the nodes of the illumination cut; returns the one under the pointer. While a thread computes the light, those of before stay.
     pub fn draw_cut(
         &mut self,
         painter: &Painter,
         picture: Rect,
-        lighting: &SceneLighting,
+        lighting: &Arc<EnvironmentLight>,
         revision: u64,
         pointer: Option<Pos2>,
     ) -> Option<Mark> {
-        let known = self.marks.take().filter(|(r, _)| *r == revision);
-        let (_, marks) = self.marks.insert(known.unwrap_or_else(|| (revision, cut_marks(lighting))));
+        self.take_marks(painter.ctx(), lighting, revision);
+        let (_, marks) = self.marks.as_ref()?;
         let outline = Stroke::new(1.0, Color32::from_black_alpha(160));
-        for mark in &*marks {
+        for mark in marks {
             painter.circle(mark.center(picture), mark.dot(picture), mark.color.gamma_multiply(0.8), outline);
         }
         let hovered = pointer.and_then(|p| mark_at(marks, picture, p))?;
         let stroke = Stroke::new(2.0, Color32::WHITE);
         painter.circle_stroke(hovered.center(picture), hovered.dot(picture) + 1.0, stroke);
         Some(hovered.clone())
+    }
+
+    fn take_marks(&mut self, ctx: &Context, lighting: &Arc<EnvironmentLight>, revision: u64) {
+        if self.marks.as_ref().is_some_and(|(known, _)| *known == revision) {
+            return;
+        }
+        if let Some(computed) = lighting.computed() {
+            self.marks = Some((revision, cut_marks(computed)));
+        } else if self.awaited != Some(revision) {
+            self.awaited = Some(revision);
+            let (ctx, lighting) = (ctx.clone(), lighting.clone());
+            spawn("light of the map", move || {
+                lighting.compute();
+                ctx.request_repaint();
+            });
+        }
     }
 }
 

@@ -14,6 +14,7 @@ use crate::{
         readback::read_range,
     },
     error::BackendError,
+    remedy::Remedy,
 };
 use bytemuck::{bytes_of, cast_slice};
 use std::ops::Range;
@@ -102,21 +103,24 @@ impl GpuForest {
         }
     }
 
-    /// Light of vertices from the light of the leaves that was made last: as baked, or what a pose changes of it. `None` if there is no
-    /// room for it.
+    /// Whether the light of so many vertices has room.
+    pub fn has_room_for(&self, vertices: usize) -> bool {
+        bytes_of_planes(vertices as u32, POSED_PLANES) <= self.on.gpu.max_storage_bytes()
+    }
+
+    /// Light of vertices, for which there is room, from the light of the leaves that was made last, and from what [`Self::gloss`] found
+    /// if that is asked for: as baked, or what a pose changes of it.
     ///
     /// # Errors
-    /// A lost device.
-    pub fn at_vertices(&self, asked: &VertexRequest) -> Result<Option<VertexPlanes>, BackendError> {
+    /// A lost device, or one without room for the leaves beside the vertices.
+    pub fn at_vertices(&self, asked: &VertexRequest) -> Result<VertexPlanes, BackendError> {
         let (gpu, vertices) = (&self.on.gpu, asked.states.len() as u32);
-        let (plane, planes) =
-            (VertexPlanes::rows(vertices) * VertexPlanes::WIDTH, asked.as_baked.map_or(BAKED_PLANES, |_| POSED_PLANES));
-        let bytes = u64::from(planes * plane) * size_of::<[f32; 4]>() as u64;
-        if bytes.max(asked.beside.leaves.size()) > gpu.max_storage_bytes() {
-            return Ok(None);
-        }
+        let (beside, limit) = (asked.beside.leaves.size(), gpu.max_storage_bytes());
+        gpu.within("the leaves beside vertices", "bytes", beside, limit, Remedy::FewerVertices)?;
         self.value_leaves(asked)?;
-        let texels = written(gpu, "light of vertices", bytes);
+        let planes = asked.as_baked.map_or(BAKED_PLANES, |_| POSED_PLANES);
+        let texels = written(gpu, "light of vertices", bytes_of_planes(vertices, planes));
+        let plane = VertexPlanes::rows(vertices) * VertexPlanes::WIDTH;
         let uniforms = VertexUniforms { plane, is_as_baked: u32::from(asked.as_baked.is_none()) };
         let lit = LitVertices {
             uniforms: &uniform(gpu, "vertices", bytes_of(&uniforms)),
@@ -128,7 +132,7 @@ impl GpuForest {
             texels: &texels,
         };
         self.on.kernels.vertices.run(gpu, &[lit.bind(gpu)], vertices.div_ceil(VERTICES_PER_GROUP))?;
-        Ok(Some(VertexPlanes { gpu: gpu.clone(), texels, vertices }))
+        Ok(VertexPlanes { gpu: gpu.clone(), texels, vertices })
     }
 
     /// What the leaves add to the vertices beside them.
@@ -148,4 +152,8 @@ impl GpuForest {
         };
         kernels.leaves.run(gpu, &[valued.bind(gpu)], self.leaves.div_ceil(LEAVES_PER_GROUP)).map(drop)
     }
+}
+
+fn bytes_of_planes(vertices: u32, planes: u32) -> u64 {
+    u64::from(planes * VertexPlanes::rows(vertices)) * u64::from(VertexPlanes::WIDTH) * size_of::<[f32; 4]>() as u64
 }

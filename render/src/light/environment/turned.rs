@@ -86,6 +86,22 @@ impl EnvironmentLight {
         }
     }
 
+    /// The light, if it is computed already.
+    pub fn computed(&self) -> Option<&SceneLighting> {
+        match &self.0 {
+            Source::Given(lighting) => Some(lighting),
+            Source::Turned(_, lighting) => lighting.get(),
+        }
+    }
+
+    /// Computes the light, unless that is done.
+    pub fn compute(&self) -> &SceneLighting {
+        match &self.0 {
+            Source::Given(lighting) => lighting,
+            Source::Turned(turned, lighting) => lighting.get_or_init(|| turned.lighting()),
+        }
+    }
+
     /// What it is computed from, unless it was given.
     pub(crate) fn turned(&self) -> Option<&TurnedMap> {
         match &self.0 {
@@ -101,22 +117,13 @@ impl EnvironmentLight {
             Source::Turned(turned, _) => Some(turned.map.environment.pyramid()),
         }
     }
-
-    /// Whether the cores have it.
-    #[cfg(test)]
-    pub(crate) fn is_computed(&self) -> bool {
-        !matches!(&self.0, Source::Turned(_, lighting) if lighting.get().is_none())
-    }
 }
 
 impl Deref for EnvironmentLight {
     type Target = SceneLighting;
 
     fn deref(&self) -> &SceneLighting {
-        match &self.0 {
-            Source::Given(lighting) => lighting,
-            Source::Turned(turned, lighting) => lighting.get_or_init(|| turned.lighting()),
-        }
+        self.compute()
     }
 }
 

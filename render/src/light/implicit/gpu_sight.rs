@@ -118,15 +118,16 @@ impl LeafSight for GpuSight {
     }
 
     fn lights_vertices(&mut self, gloss: &Gloss, mesh: &Mesh, surfels: &[Surfel]) -> bool {
+        let has_room = self.gpu.as_ref().is_some_and(|gpu| gpu.has_room_for(mesh.positions.len()));
         if gloss.is_empty() {
             self.gloss = None;
-            return self.gpu.is_some();
+            return has_room;
         }
         let is_known = |(known, _): &(Gloss, Option<GlossTable>)| known.is_same(gloss);
         if !self.gloss.as_ref().is_some_and(is_known) {
             self.gloss = self.table_of(gloss, mesh, surfels).map(|table| (gloss.clone(), table));
         }
-        self.gpu.is_some() && self.gloss.as_ref().is_some_and(|(_, table)| table.is_some())
+        has_room && self.gloss.as_ref().is_some_and(|(_, table)| table.is_some())
     }
 
     fn at_vertices(&mut self, forest: &DiscForest, asked: &VertexLighting) -> Option<VertexPlanes> {
@@ -151,7 +152,7 @@ impl LeafSight for GpuSight {
             })
         });
         self.gloss = known;
-        made.flatten()
+        made
     }
 
     fn light(&mut self, forest: &DiscForest, lighting: &Lighting, bounces: u32) -> SeenLight {
