@@ -140,10 +140,10 @@ mod tests {
             // A driver may fuse products and sums: rays along an edge then fall to either side.
             assert!(differing(&open, &expected) <= 3, "{}", differing(&open, &expected));
             let stopped = rays.len() as u32 - open.iter().map(|byte| byte.count_ones()).sum::<u32>();
-            assert!((triangles < 600) != (stopped > 1000), "{stopped} are stopped");
+            assert!((triangles < 600) != (stopped > 500), "{stopped} are stopped");
             let longer: Vec<ShadowRay> = rays.iter().map(|&ray| ShadowRay { reach: f32::INFINITY, ..ray }).collect();
             let longer = on_device.open(&longer).unwrap();
-            assert!(triangles < 600 || differing(&longer, &expected) > 500, "negative control: without their ends");
+            assert!(triangles < 600 || differing(&longer, &expected) > 200, "negative control: without their ends");
         }
     }
 
