@@ -42,7 +42,10 @@ impl BoxHierarchy {
 
 /// The hierarchies that something on a device uses, so that each is uploaded once.
 #[derive(Clone, Default)]
-pub(super) struct BoxHierarchies(Arc<Mutex<Vec<(HierarchyNumber, Weak<BoxHierarchy>)>>>);
+pub(super) struct BoxHierarchies(Arc<Mutex<Vec<Used>>>);
+
+/// A hierarchy while something uses it.
+type Used = (HierarchyNumber, Weak<BoxHierarchy>);
 
 impl BoxHierarchies {
     /// That of a scene: the one which is used, or a new one.
