@@ -112,13 +112,11 @@ impl LitPoints {
             self.lights = LightGroups::default();
         }
         let at = ReceivingPoints { points: &self.points, normals: &self.normals, order: &self.order };
-        let rays = ShadowRays {
-            intersector: self.baked.intersector(),
-            device: self.on_device.as_ref(),
-            area_samples: self.area_samples,
-            offset: self.ray_offset(),
-        };
-        self.lights.update(lights, |lights| light_irradiance(&at, lights, rays));
+        let (offset, area_samples) = (self.ray_offset(), self.area_samples);
+        let (baked, device) = (&self.baked, self.on_device.as_ref());
+        // The hierarchy is built once a light needs it.
+        let rays = || ShadowRays { intersector: baked.intersector(), device, area_samples, offset };
+        self.lights.update(lights, |lights| light_irradiance(&at, lights, rays()));
     }
 
     /// Whether a device traces the rays to lights.
@@ -128,10 +126,13 @@ impl LitPoints {
 
     /// Takes the scene to a device, unless it is there. The cores trace what it does not take: thin surfaces, and what has no room.
     fn take_to(&mut self, compute: &Compute, lights: &[Light]) {
-        let scene = self.baked.intersector();
         let known = self.on_device.take();
         let Compute::Device(device) = compute else { return };
-        if lights.is_empty() || scene.has_veils() || self.refused == Some(scene.number()) {
+        if lights.is_empty() {
+            return;
+        }
+        let scene = self.baked.intersector();
+        if scene.has_veils() || self.refused == Some(scene.number()) {
             return;
         }
         let known = known.filter(|known| known.is_of(device, scene));
