@@ -51,7 +51,7 @@ impl BoxHierarchies {
     /// That of a scene: the one which is used, or a new one.
     ///
     /// # Errors
-    /// A hierarchy that the adapter has no room for.
+    /// A hierarchy that the adapter has no room for, or a lost device.
     pub fn get(&self, gpu: &GpuDevice, scene: &Intersector) -> Result<Arc<BoxHierarchy>, BackendError> {
         let mut used = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         used.retain(|(_, hierarchy)| hierarchy.strong_count() > 0);

@@ -190,7 +190,7 @@ impl SharedDevice {
     /// The hierarchy of a scene, which is uploaded once for all that use it.
     ///
     /// # Errors
-    /// A hierarchy that the adapter has no room for.
+    /// A hierarchy that the adapter has no room for, or a lost device.
     pub(crate) fn hierarchy(&self, scene: &Intersector) -> Result<Arc<BoxHierarchy>, BackendError> {
         self.hierarchies.get(&self.gpu, scene)
     }
