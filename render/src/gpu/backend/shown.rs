@@ -12,6 +12,7 @@ use crate::{
                 FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES, MIRRORS_HAVE_RAYS, MIRRORS_READ_MAP, NO_MIRRORS,
             },
         },
+        pass::GpuPath,
     },
     error::BackendError,
     gpu::{
@@ -107,10 +108,11 @@ impl ShownEnvironment {
         Ok(())
     }
 
-    /// The nodes under a map by kernels, which are not tried again after a failure. Where they are emulated, the cores are faster: 16 ms
-    /// in place of 170 for 32,768 samples. Tests take them there, too.
+    /// The nodes under a map by kernels, which are not tried again after a failure. Where they are emulated, the cores are faster (16 ms
+    /// in place of 170 for 32,768 samples), and kernels are left to those who ask for them.
     fn turned(&mut self, pipelines: &Pipelines, turned: &TurnedMap) -> Option<NodeBuffers> {
-        if self.kernels_failed || pipelines.device.is_emulated() && !cfg!(test) {
+        let is_slow = pipelines.device.is_emulated() && pipelines.path != GpuPath::Compute;
+        if self.kernels_failed || is_slow {
             return None;
         }
         let nodes = self.try_turned(pipelines, turned).ok();
