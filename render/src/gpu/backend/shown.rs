@@ -12,7 +12,6 @@ use crate::{
                 FIELD_ENVIRONMENT, FIELD_NONE, FIELD_SOURCES, MIRRORS_HAVE_RAYS, MIRRORS_READ_MAP, NO_MIRRORS,
             },
         },
-        pass::GpuPath,
     },
     error::BackendError,
     gpu::{
@@ -108,11 +107,9 @@ impl ShownEnvironment {
         Ok(())
     }
 
-    /// The nodes under a map by kernels, which are not tried again after a failure. Where they are emulated, the cores are faster (16 ms
-    /// in place of 170 for 32,768 samples), and kernels are left to those who ask for them.
+    /// The nodes under a map by kernels, which are not tried again after a failure.
     fn turned(&mut self, pipelines: &Pipelines, turned: &TurnedMap) -> Option<NodeBuffers> {
-        let is_slow = pipelines.device.is_emulated() && pipelines.path != GpuPath::Compute;
-        if self.kernels_failed || is_slow {
+        if self.kernels_failed || !pipelines.light_by_kernels {
             return None;
         }
         let nodes = self.try_turned(pipelines, turned).ok();

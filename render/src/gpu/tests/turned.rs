@@ -9,7 +9,6 @@ use crate::{
     device::{
         Shaders, SharedDevice,
         layout::Node,
-        pass::GpuPath,
         readback::read_range,
         test_adapter::{on_adapter, shared_device},
     },
@@ -161,7 +160,7 @@ fn without_kernels(text: &str) -> String {
 fn pictures_are_as_with_light_of_the_cores_also_where_kernels_fail() {
     for (source, fail) in [(inexact::source(), false), (ShaderSource::Changed(without_kernels), true)] {
         let Some(mut rig) = Rig::with(&source, scene(), 1) else { return };
-        rig.gpu.set_path(GpuPath::Compute).unwrap();
+        rig.gpu.light_by_kernels();
         for (sampling, illum_cut) in [(BrdfSampling::Lit, 64), (BrdfSampling::Refine, 64), (BrdfSampling::Once, 1)] {
             let gathering = Gathering { illum_cut, ..GATHERING };
             let light = |rotation: f32| {
@@ -183,7 +182,7 @@ fn pictures_are_as_with_light_of_the_cores_also_where_kernels_fail() {
 #[test]
 fn a_turned_environment_is_not_lit_on_the_cores() {
     let Some((_one, mut gpu)) = backend() else { return };
-    gpu.set_path(GpuPath::Compute).unwrap();
+    gpu.light_by_kernels();
     let baked = Baked::from((*scene()).clone());
     let look = Look::under_environment(&baked.dataset.scene, view(ViewMode::Shaded), lamps());
     let turned = Look { illumination: Illumination { rotation: 1.0, ..lamps() }, ..look.clone() };

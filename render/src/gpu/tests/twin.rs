@@ -254,6 +254,15 @@ impl Rig {
         self.renderer.set_appearance(appearance);
     }
 
+    /// Compiles all that these need at once. One by one each adds to what is compiled, which is compiled anew then.
+    fn compile_for(&mut self, appearances: impl IntoIterator<Item = Appearance>) {
+        let scene = &self.renderer.dataset().scene;
+        let materials = appearances.into_iter().flat_map(|appearance| appearance.materials).collect();
+        let assigned = Some(scene.mesh.triangle_material.clone().into());
+        let all = Appearance { materials, assigned, ..Appearance::of(scene) };
+        assert!(self.gpu.set_appearance(&all).unwrap().is_empty());
+    }
+
     pub fn both(&mut self, view: &View, sampling: BrdfSampling) -> [Image; 2] {
         self.gpu.begin(view, sampling).unwrap();
         self.gpu.render_rows(0, 0..view.size[1]).unwrap();
@@ -266,15 +275,14 @@ impl Rig {
 fn every_model_and_sampling_agrees_and_another_roughness_does_not() {
     let Some(mut rig) = Rig::new(128) else { return };
     let dataset = rig.renderer.dataset().clone();
-    for &model in BrdfModel::ALL {
-        for case in 0..4 {
-            let parameters = settings(model, case);
-            for sampling in [BrdfSampling::Lit, BrdfSampling::Refine, BrdfSampling::Once] {
-                rig.look(appearance(&dataset, model, parameters.clone(), MaterialMaps::default()));
-                let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), sampling);
-                let d = difference(&gpu, &cpu);
-                assert!(agrees(&gpu, &cpu), "{model:?} {parameters:?} {sampling:?}: {d:?}");
-            }
+    let cases: Vec<_> = BrdfModel::ALL.iter().flat_map(|&model| (0..4).map(move |case| (model, case))).collect();
+    let looks_as = |(model, case)| appearance(&dataset, model, settings(model, case), MaterialMaps::default());
+    rig.compile_for(cases.iter().copied().map(looks_as));
+    for case in cases {
+        rig.look(looks_as(case));
+        for sampling in [BrdfSampling::Lit, BrdfSampling::Refine, BrdfSampling::Once] {
+            let [gpu, cpu] = rig.both(&view(ViewMode::Shaded), sampling);
+            assert!(agrees(&gpu, &cpu), "{case:?} {sampling:?}: {:?}", difference(&gpu, &cpu));
         }
     }
     rig.look(appearance(&dataset, BrdfModel::Ward, parameters(0.5, -0.6), Default::default()));
