@@ -55,7 +55,9 @@ const MTL: [Feature; 26] = [
         Mtl,
         "Ks map_Ks",
         "specular colors",
-        Approximated("up to 0.2 the reflectance head on, above it a weight; the color of a metal where `Kd` is black"),
+        Approximated(
+            "up to 0.2 the reflectance head on, above it a weight; the color of a metal where it outshines `Kd`, with a message",
+        ),
     ),
     feature(Mtl, "Ns", "shininess", Approximated("as the roughness of equal width, where `Pr` is missing")),
     feature(Mtl, "map_Ns", "maps of shininess", LeftOut("convert them to maps of roughness (map_Pr)")),

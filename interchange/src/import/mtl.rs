@@ -113,22 +113,36 @@ fn anisotropy(entry: &MtlEntry) -> f32 {
     if (from_tangent - 0.5).abs() < 0.25 { -amount } else { amount }
 }
 
-/// Whether the color is black, so that it may be a metal's.
-fn is_black(entry: &MtlEntry) -> bool {
-    entry.color("kd").is_some_and(|kd| luminance(kd) < 0.05)
+/// A highlight of this luminance says metal where it is this many times as bright as the color below it: programs give plastics
+/// highlights up to 1, over a color that is as bright.
+const LEAST_METAL: f32 = 0.6;
+const METAL_OVER_COLOR: f32 = 1.5;
+
+/// Whether `Ks` says a metal that MTL itself has no word for: hardly anything but a highlight, of something opaque without a picture.
+fn is_metal_by_highlight(entry: &MtlEntry) -> bool {
+    let is_plain = entry.number("pm").is_none()
+        && ["map_kd", "map_pm"].iter().all(|map| entry.map(map).is_none())
+        && !entry.is_transparent();
+    let [color, highlight] = ["kd", "ks"].map(|key| entry.color(key).map(luminance));
+    let outshines = |(color, highlight): (f32, f32)| highlight > LEAST_METAL && highlight > METAL_OVER_COLOR * color;
+    is_plain && color.zip(highlight).is_some_and(outshines)
 }
 
 fn metalness(entry: &MtlEntry) -> f32 {
-    let is_mirror = is_black(entry) && entry.color("ks").is_some_and(|ks| luminance(ks) > 0.6);
-    let default = if entry.map("map_pm").is_some() || is_mirror { 1.0 } else { 0.0 };
+    let default = if entry.map("map_pm").is_some() || is_metal_by_highlight(entry) { 1.0 } else { 0.0 };
     entry.number("pm").unwrap_or(default)
+}
+
+/// Whether the color is black, so that a metal has that of its highlight.
+fn is_black(entry: &MtlEntry) -> bool {
+    entry.color("kd").is_some_and(|kd| luminance(kd) < 0.05)
 }
 
 /// The base color, if the material has any.
 fn base_color(entry: &MtlEntry) -> Option<Vec3> {
     let has_map = entry.map("map_kd").is_some();
     match (entry.color("kd"), entry.color("ks")) {
-        (_, Some(ks)) if metalness(entry) > 0.5 && is_black(entry) => Some(ks),
+        (_, Some(ks)) if is_metal_by_highlight(entry) || metalness(entry) > 0.5 && is_black(entry) => Some(ks),
         // Programs leave the color black when a texture replaces it.
         (Some(kd), _) if !(has_map && kd.max_element() <= 0.0) => Some(kd),
         _ => has_map.then_some(Vec3::ONE),
@@ -262,5 +276,31 @@ mod tests {
         assert_eq!((mirror.metalness, mirror.base_color), (1.0, Vec3::new(0.9, 0.8, 0.7)));
         let metal = parameters(&entry("Kd 0 0 0\nKs 0.5 0.4 0.3\nPm 1"));
         assert_eq!((metal.metalness, metal.base_color), (1.0, Vec3::new(0.5, 0.4, 0.3)));
+    }
+
+    #[test]
+    fn a_highlight_that_outshines_its_color_is_a_metal_and_is_told() {
+        // The chrome of the OpenGL material tables, and what programs write for plastic, glass and pictures.
+        let chrome = "Kd 0.4 0.4 0.4\nKs 0.774597 0.774597 0.774597\nNs 76.8";
+        let metal = parameters(&entry(chrome));
+        assert_eq!((metal.metalness, metal.base_color), (1.0, Vec3::splat(0.774_597)));
+        assert!((metal.roughness - (2.0_f32 / 78.8).powf(0.25)).abs() < 1e-6);
+        for other in [
+            "Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nNs 225",
+            "Kd 0.7 0.7 0.7\nKs 1 1 1\nNs 100",
+            "Kd 0 0 0\nKs 0.9 0.9 0.9\nd 0.2",
+            "Kd 0 0 0\nKs 0.9 0.9 0.9\nmap_Kd wood.png",
+            &format!("{chrome}\nPm 0"),
+        ] {
+            assert_eq!(parameters(&entry(other)).metalness, 0.0, "{other}");
+        }
+        let warned = |text: &str| {
+            let (mut lost, mut warnings) = (Lost::default(), Vec::new());
+            lost.inspect("bumper", &entry(text));
+            lost.warn(&mut warnings);
+            warnings
+        };
+        assert!(warned(chrome).iter().any(|warning| warning.contains("\"bumper\" are metals")), "{:?}", warned(chrome));
+        assert_eq!(warned("Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nNs 225"), Vec::<String>::new());
     }
 }

@@ -20,6 +20,7 @@ const MOST_KINDS: usize = 20;
 #[derive(Default)]
 pub(super) struct Lost {
     invisible: Vec<String>,
+    metals: Vec<String>,
     by_kind: BTreeMap<String, Vec<String>>,
 }
 
@@ -28,6 +29,9 @@ impl Lost {
     pub fn inspect(&mut self, material: &str, entry: &MtlEntry) {
         if entry.opacity() <= 0.0 {
             self.invisible.push(material.to_owned());
+        }
+        if super::is_metal_by_highlight(entry) {
+            self.metals.push(material.to_owned());
         }
         let mut statements: Vec<_> = entry.statements().collect();
         statements.sort_by_key(|(key, _)| *key);
@@ -54,6 +58,13 @@ impl Lost {
             warnings.push(format!(
                 "the materials {} stop no light and are not seen; if their file means the opposite, raise their opacity",
                 listed(&self.invisible)
+            ));
+        }
+        if !self.metals.is_empty() {
+            warnings.push(format!(
+                "the materials {} are metals, since their highlights (Ks) outshine their colors (Kd); write \"Pm 0\" where one \
+                 is none",
+                listed(&self.metals)
             ));
         }
         let kinds = self.by_kind.iter().take(MOST_KINDS);
