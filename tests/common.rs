@@ -44,6 +44,8 @@ impl Folder {
         command.args(options.split_whitespace()).current_dir(self.0.path());
         // Without it graphics libraries complain on standard error, which some tests want empty.
         command.env("XDG_RUNTIME_DIR", self.0.path());
+        // Nobody's preferences.
+        command.env("LAPIDARY_HOME", self.path("home"));
         command
     }
 

@@ -14,6 +14,7 @@ mod faults;
 mod gpu;
 mod info;
 mod kills;
+mod looks;
 mod materials;
 mod mitsuba;
 mod outputs;

@@ -51,6 +51,8 @@ pub enum Action {
     Pose(PoseAction),
     /// About the camera.
     Camera(CameraAction),
+    /// About looks.
+    Look(LookAction),
     /// About the selection.
     Select(SelectAction),
     /// About files that are opened and saved.
@@ -80,7 +82,8 @@ impl Action {
                 ExportAction::Picture(path)
                 | ExportAction::Layers(path)
                 | ExportAction::Materials(path)
-                | ExportAction::SequenceFolder(path),
+                | ExportAction::SequenceFolder(path)
+                | ExportAction::PicturesFolder(path),
             ) => Some(path),
             _ => None,
         }
@@ -132,6 +135,15 @@ pub enum SelectAction {
     Material(Option<usize>),
     /// Select a part of an object.
     Part(Part),
+}
+
+/// A request about looks.
+#[derive(Clone, Debug)]
+pub enum LookAction {
+    /// Put a look in place, by its number.
+    Show(usize),
+    /// Describe pictures of the looks to write.
+    Describe,
 }
 
 /// A request about animations.
@@ -245,6 +257,8 @@ pub enum CompareAction {
     Toggle,
     /// Compare with a picture file.
     Reference(Option<PathBuf>),
+    /// Compare with a look, by its number.
+    Look(usize),
     /// Pause tracing of the reference, or continue.
     Pause(bool),
 }
@@ -271,6 +285,8 @@ pub enum ExportAction {
     DescribeSequence,
     /// Choose the folder of the sequence in the dialog.
     SequenceFolder(Option<PathBuf>),
+    /// Choose the folder of the pictures of looks in the dialog.
+    PicturesFolder(Option<PathBuf>),
     /// Stop the export; keep complete frames.
     Cancel,
 }

@@ -1,6 +1,6 @@
 //! `lapidary check`: whether all files of a session are there and can be read, without a window.
 
-use crate::document::session::{self, LoadedSession, SessionError};
+use crate::document::session::{self, LoadedSession, SessionError, SessionLight};
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::{dataset::Dataset, scene::Scene};
@@ -73,13 +73,15 @@ impl Checked {
                 self.named.push(entry);
             }
         });
-        if session.environment.file().is_none() {
-            self.named.push(("environment", session.environment.spec));
+        let SessionLight { environment, lights, .. } = session.light;
+        if environment.file().is_none() {
+            self.named.push(("environment", environment.spec));
         }
-        let lights = session.lights.map_or_else(|| "those of the scene".into(), |lights| lights.len().to_string());
+        let lights = lights.map_or_else(|| "those of the scene".into(), |lights| lights.len().to_string());
         self.named.push(("lights", lights));
-        self.named.push(("materials", session.materials.len().to_string()));
+        self.named.push(("materials", session.materials.materials.len().to_string()));
         self.named.push(("bookmarks", session.bookmarks.len().to_string()));
+        self.named.extend(session.looks.into_iter().map(|look| ("look", look.name)));
     }
 
     /// The scene that the session's materials belong to: the baked one, or the one to bake.
@@ -103,7 +105,7 @@ impl Checked {
     }
 
     fn environment(&mut self, loaded: &LoadedSession) {
-        let settings = &loaded.session.environment;
+        let settings = &loaded.session.light.environment;
         self.kept(environment::from_spec_in(&settings.spec, settings.color_space));
     }
 

@@ -3,6 +3,7 @@
 use crate::{
     check::CheckArgs,
     edit::{self, EditArgs},
+    looks::command::{LooksArgs, RenderSessionArgs},
 };
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -35,6 +36,8 @@ With your own scene:
       checks that all files of a session can be read
   lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png --out sky.exr
       relights it by any environment at any rotation, without a new bake
+  lapidary render car.lapidary --all --out pictures/car.png
+      renders all looks of a session
   lapidary render scene.cuts --env studio --roughness 0.3 --metalness 1 --out metal.png
       gives the whole scene another material
   lapidary render scene.cuts --lights lamps.json --out night.png
@@ -68,6 +71,34 @@ pub struct Cli {
     command: Option<Command>,
 }
 
+/// The command line of `render` with a session, which has its looks and no options for light and materials.
+#[derive(Parser)]
+#[command(name = "lapidary", version, max_term_width = 110)]
+pub struct SessionCli {
+    /// Print no progress, warnings, notes or summaries
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    #[command(subcommand)]
+    command: SessionCommand,
+}
+
+#[derive(Clone, Subcommand)]
+enum SessionCommand {
+    /// Render what a session shows, or its looks
+    Render(RenderSessionArgs),
+}
+
+impl SessionCli {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// As [`RenderSessionArgs::run`].
+    pub fn run(&self) -> Result<Outcome> {
+        let SessionCommand::Render(args) = &self.command;
+        args.run(Console { quiet: self.quiet })
+    }
+}
+
 impl Cli {
     /// The command.
     pub fn chosen(&self) -> Command {
@@ -96,6 +127,15 @@ opens no window. It fails (exit code 1) if there is a problem.
 Example:
   lapidary check look.lapidary")]
     Check(CheckArgs),
+    /// List the looks of a session
+    #[command(after_help = "\
+Each line has the name of a look, and what it keeps. `lapidary render` renders them:
+
+Examples:
+  lapidary looks car.lapidary
+  lapidary render car.lapidary --look \"Night\" --size 1920x1080 --out night.png
+  lapidary render car.lapidary --all --size 3840x2160 --aa 64 --out pictures/car.png")]
+    Looks(LooksArgs),
     #[command(flatten)]
     Study(Box<commands::Command>),
 }
@@ -109,6 +149,7 @@ impl Command {
         match self {
             Self::Edit(args) => edit::run(args),
             Self::Check(args) => args.run(),
+            Self::Looks(args) => args.run(console),
             Self::Study(command) => command.run(console),
         }
     }

@@ -8,6 +8,7 @@ pub mod fitting;
 mod history;
 pub mod library;
 pub mod lights;
+pub mod looks;
 pub mod objects;
 pub mod parts;
 mod path_list;
@@ -37,6 +38,7 @@ use lapidary_core::{
 };
 use lapidary_precompute::Preset;
 use lapidary_render::{Appearance, Solution};
+use looks::NamedLook;
 use objects::ObjectNumbers;
 use parts::Assignment;
 use std::{path::PathBuf, sync::Arc};
@@ -79,6 +81,8 @@ pub struct Document {
     pub camera: Camera,
     /// Cameras to go back to, by name.
     pub bookmarks: Vec<Camera>,
+    /// Looks to go back to, each with its own name.
+    pub looks: Vec<NamedLook>,
     /// How the picture is made and shown.
     pub view: ViewSettings,
     /// Settings of the next bake.
@@ -115,6 +119,7 @@ impl Document {
             solution: Solution::default(),
             camera: Camera::look_at(Vec3::new(0.0, 0.5, 2.0), Vec3::ZERO, 40.0),
             bookmarks: Vec::new(),
+            looks: Vec::new(),
             view: ViewSettings::default(),
             bake: Preset::Normal.settings(),
         }

@@ -20,6 +20,8 @@ mod export;
 mod jobs;
 mod ladder;
 mod lights;
+mod look;
+mod looks;
 mod materials;
 mod messages;
 mod navigation;
@@ -41,15 +43,23 @@ pub use crate::{
     document::session::SessionError,
 };
 
-use crate::cli::Cli;
+use crate::{
+    cli::{Cli, SessionCli},
+    looks::command::RenderSessionArgs,
+};
 use clap::Parser;
 use lapidary_studies::terminal::{Console, Outcome, error_text};
-use std::process::ExitCode;
+use std::{ffi::OsString, process::ExitCode};
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let outcome = cli.chosen().run(Console { quiet: cli.quiet });
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let outcome = if RenderSessionArgs::are_meant(&arguments) {
+        SessionCli::parse_from(arguments).run()
+    } else {
+        let cli = Cli::parse_from(arguments);
+        cli.chosen().run(Console { quiet: cli.quiet })
+    };
     let outcome = outcome.unwrap_or_else(|error| {
         eprintln!("error: {}", error_text(&error));
         Outcome::of_error(&error)

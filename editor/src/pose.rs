@@ -5,8 +5,14 @@ mod handles;
 mod play;
 pub mod timeline;
 
-use crate::viewport::gizmo::{Pivot, Tool};
+use crate::{
+    document::Document,
+    viewport::gizmo::{Pivot, Tool},
+};
 use cache::PoseCache;
+use lapidary_core::{animation::Animation, scene::pose::Poses};
+use lapidary_render::Baked;
+use std::sync::Arc;
 use timeline::Timeline;
 
 /// How objects are posed.
@@ -19,4 +25,10 @@ pub struct Posing {
     /// How clips play.
     pub timeline: Timeline,
     cache: PoseCache,
+}
+
+/// Poses of a document relative to a bake: its own, and those of its animation at its time. Objects without a pose at that time
+/// stay as baked.
+pub fn poses_since(document: &Document, animation: Option<&Arc<Animation>>, baked: &Baked) -> Poses {
+    PoseCache::default().poses_since(document, animation, baked)
 }

@@ -13,7 +13,7 @@ use crate::{
     workspace::{brdf_files, files_in_use},
 };
 use anyhow::Result;
-use lapidary_core::{brdf::BrdfFile, input, texture::Texture};
+use lapidary_core::{brdf::BrdfFile, input, material::Material, texture::Texture};
 use lapidary_interchange::{image::file_and_layer, import::ImportOptions};
 use lapidary_studies::args::shader_source;
 use std::{
@@ -120,9 +120,12 @@ impl EditorState {
             }
             Ok(Loaded::Brdf { content, remarks }) => {
                 remarks.into_iter().for_each(|remark| self.work.messages.warning(remark));
-                let materials = self.work.document.materials.iter_mut().chain(self.work.history.materials_mut());
-                let files = materials.filter_map(|material| material.file.as_mut());
-                files.filter(|file| file.path == path).for_each(|file| file.content = Some(content.clone()));
+                let mut reload = |material: &mut Material| {
+                    let file = material.file.as_mut().filter(|file| file.path == path);
+                    file.into_iter().for_each(|file| file.content = Some(content.clone()));
+                };
+                self.work.document.materials_and_those_of_looks().for_each(|(_, material)| reload(material));
+                self.work.history.visit_materials(&mut reload);
                 self.work.messages.note(format!("Reloaded ({})", path.display()));
             }
             Ok(Loaded::Scene(source)) => self.work.scene_changed(path, *source),

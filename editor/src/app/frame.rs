@@ -35,6 +35,10 @@ impl EditorState {
             let (exported, pixel_secs) = (self.exported(), self.picture.pixel_secs());
             self.exporting.show_dialog(&ctx, &self.work, exported, pixel_secs, &mut actions);
         }
+        if !self.dialogs.is_open() && self.exporting.pictures.is_some() {
+            let (shown, pixel_secs) = (self.shown_document(self.work.viewport_size), self.picture.pixel_secs());
+            self.exporting.show_pictures_dialog(&ctx, &self.work, shown, pixel_secs, &mut actions);
+        }
         self.work.messages.show(&ctx, laid.viewport.rect);
         self.ask_before_closing(&ctx, &mut actions);
         if !actions.is_empty() {
@@ -88,7 +92,7 @@ impl EditorState {
 
     /// Whether a dialog or a question is open, or opens in the next frame.
     fn is_asking(&self) -> bool {
-        let has_dialog = self.dialogs.is_open() || self.exporting.dialog.is_some();
+        let has_dialog = self.dialogs.is_open() || self.exporting.is_asking();
         has_dialog || self.interface.keys_open || !self.questions.waiting.is_empty()
     }
 

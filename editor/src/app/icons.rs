@@ -10,6 +10,8 @@ const SIDE: f32 = 18.0;
 pub enum Icon {
     /// Objects in a list.
     Scene,
+    /// A picture before another.
+    Looks,
     /// Pictures to choose from.
     Library,
     /// A ball with a highlight.
@@ -29,6 +31,7 @@ pub fn paint(painter: &Painter, rect: Rect, icon: Icon, color: Color32) {
     let pen = Pen { painter, place: Rect::from_center_size(rect.center(), Vec2::splat(SIDE)), color };
     match icon {
         Icon::Scene => pen.list(),
+        Icon::Looks => pen.looks(),
         Icon::Library => pen.pictures(),
         Icon::Material => pen.ball(),
         Icon::Environment => pen.globe(),
@@ -90,6 +93,12 @@ impl Pen<'_> {
         }
     }
 
+    fn looks(&self) {
+        self.line(&[[0.3, 0.3], [0.3, 0.08], [0.95, 0.08], [0.95, 0.65], [0.72, 0.65]]);
+        let front = Rect::from_two_pos(self.at(0.05, 0.35), self.at(0.7, 0.92));
+        self.painter.rect_stroke(front, 1.0, self.stroke(), StrokeKind::Inside);
+    }
+
     fn ball(&self) {
         self.circle([0.5, 0.5], 0.44);
         self.disc([0.36, 0.34], 0.09);
@@ -135,7 +144,16 @@ mod tests {
 
     #[test]
     fn icons_stay_in_their_square() {
-        let all = [Icon::Scene, Icon::Library, Icon::Material, Icon::Environment, Icon::Lights, Icon::View, Icon::Bake];
+        let all = [
+            Icon::Scene,
+            Icon::Looks,
+            Icon::Library,
+            Icon::Material,
+            Icon::Environment,
+            Icon::Lights,
+            Icon::View,
+            Icon::Bake,
+        ];
         let place = Rect::from_min_size(pos2(10.0, 10.0), Vec2::splat(SIDE));
         for icon in all {
             let mut harness = egui_kittest::Harness::new_ui(|ui| paint(ui.painter(), place, icon, Color32::RED));

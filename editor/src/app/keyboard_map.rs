@@ -7,13 +7,14 @@ use egui::{Context, Grid, Key, Modal, Modifiers, RichText, ScrollArea, Ui};
 const WIDTH: f32 = 1040.0;
 
 /// Pointer gestures, for the keyboard map.
-const POINTER: [(&str, &str); 16] = [
+const POINTER: [(&str, &str); 17] = [
     ("Drag", "Orbit (also: middle drag)"),
     ("Shift + drag", "Pan (also: Shift + middle drag)"),
     ("Wheel", "Move closer or away (also: Alt + right drag)"),
     ("Right drag", "Look around; W A S D Q E fly, Shift faster"),
     ("Shift + right drag", "Turn the environment"),
     ("[ ]", "Turn the environment by 5 degrees (Shift: 1)"),
+    ("Alt + 1 to 9", "Show a look"),
     ("Click", "Select"),
     ("Ctrl + click", "Add or remove an object from the selection"),
     ("Double click", "Orbit about this point"),

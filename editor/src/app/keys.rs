@@ -41,6 +41,10 @@ pub enum Command {
     PasteCamera,
     /// The quantity that the pixels show.
     Mode(ViewMode),
+    /// Show a look, by its number from 0.
+    Look(usize),
+    /// Add a look of what is shown.
+    AddLook,
     /// Edges over the picture.
     Wireframe,
     /// The tool of the handles, or no handles.
@@ -95,6 +99,7 @@ pub struct Binding {
 const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 const SHIFT: Modifiers = Modifiers::SHIFT;
+const ALT: Modifiers = Modifiers::ALT;
 const NONE: Modifiers = Modifiers::NONE;
 
 const fn binds(
@@ -110,12 +115,16 @@ const fn tool(tool: Tool, keys: &'static [(Modifiers, Key)]) -> Binding {
     binds("Edit", Command::Tool(Some(tool)), tool.label(), keys)
 }
 
+const fn look(look: usize, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
+    binds("Looks", Command::Look(look), label, keys)
+}
+
 const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, Key)]) -> Binding {
     binds("View modes", Command::Mode(mode), label, keys)
 }
 
 /// All commands.
-pub const BINDINGS: [Binding; 45] = [
+pub const BINDINGS: [Binding; 55] = [
     binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -160,7 +169,17 @@ pub const BINDINGS: [Binding; 45] = [
     mode(ViewMode::BasisFunction, "Basis function", &[(NONE, Key::Num9)]),
     mode(ViewMode::BasisCoefficients, "Basis coefficients", &[(NONE, Key::Num0)]),
     mode(ViewMode::Gloss, "Light by gloss", &[(NONE, Key::G)]),
-    binds("File", Command::Quit, "Quit", &[(Modifiers::ALT, Key::F4)]),
+    binds("View", Command::AddLook, "Add look", &[(SHIFT, Key::L)]),
+    look(0, "Look 1", &[(ALT, Key::Num1)]),
+    look(1, "Look 2", &[(ALT, Key::Num2)]),
+    look(2, "Look 3", &[(ALT, Key::Num3)]),
+    look(3, "Look 4", &[(ALT, Key::Num4)]),
+    look(4, "Look 5", &[(ALT, Key::Num5)]),
+    look(5, "Look 6", &[(ALT, Key::Num6)]),
+    look(6, "Look 7", &[(ALT, Key::Num7)]),
+    look(7, "Look 8", &[(ALT, Key::Num8)]),
+    look(8, "Look 9", &[(ALT, Key::Num9)]),
+    binds("File", Command::Quit, "Quit", &[(ALT, Key::F4)]),
 ];
 
 /// The binding of a command.

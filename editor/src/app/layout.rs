@@ -5,7 +5,6 @@ use super::{
     keyboard_map,
     keys::{self, Command},
     menus, notice,
-    requests::illumination,
     side_panels::{self, Edge},
     state::EditorState,
     status, toolbar,
@@ -14,7 +13,10 @@ use crate::{
     actions::Action,
     compare,
     document::{BackgroundKind, Unlit},
-    lights, materials,
+    lights,
+    look::illumination,
+    looks::{self, LooksContext},
+    materials,
     pose::timeline::{self, TimelineContext},
     preferences::Preferences,
     scene::{self, SceneContext},
@@ -153,6 +155,16 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
                 let panel = (&mut state.interface.scene, &mut state.pose.pivot);
                 scene::show(ui, panel, &context, actions);
             });
+        }
+        Side::Looks => {
+            let context = LooksContext {
+                document: &state.work.document,
+                shown: state.shown_document(state.work.viewport_size),
+                factory: &state.work.factory,
+                wake: &state.work.wake,
+                is_calm: !ui.ctx().input(|input| input.pointer.any_down()),
+            };
+            scrolled(ui, |ui| looks::show(ui, &mut state.looks, &context, actions));
         }
         Side::Library => {
             scrolled(ui, |ui| state.environments.show_library(ui, &state.work, &state.picture, actions));

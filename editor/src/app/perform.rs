@@ -3,17 +3,19 @@
 use super::{state::EditorState, theme};
 use crate::{
     actions::{
-        Action, BakeAction, CameraAction, CompareAction, ExportAction, FileAction, LightAction, MaterialAction,
-        PoseAction, SelectAction,
+        Action, BakeAction, CameraAction, CompareAction, ExportAction, FileAction, LightAction, LookAction,
+        MaterialAction, PoseAction, SelectAction,
     },
     app::{dialogs::Purpose, keys::Command},
-    document::{Edit, ViewSettings, folder_of, session},
+    document::{Edit, ViewSettings, folder_of, looks::LookPart, session},
     export::Exported,
     jobs::opening::Target,
+    looks::{add_look, show_look},
     materials,
     navigation::axis_view,
     preferences::{FileUse, Preferences},
     scene,
+    workspace::Side,
 };
 use egui::{Context, ViewportCommand};
 use std::path::{Path, PathBuf};
@@ -34,12 +36,14 @@ impl EditorState {
             Action::Quit => self.quit(ctx),
             Action::File(action) => self.perform_file(ctx, action),
             Action::Camera(action) => self.perform_camera(ctx, action),
+            Action::Look(action) => self.perform_look(ctx, action),
             Action::Select(action) => self.work.perform_select(action),
             Action::Pose(action) => self.pose.perform(&mut self.work, action),
             Action::Material(action) => materials::perform(&mut self.work, &mut self.loader, action),
             Action::Light(action) => self.lights.perform(&mut self.work, action),
             Action::Environment(action) => self.environments.perform(&mut self.work, action),
             Action::Bake(action) => self.baking.perform(&mut self.work, action),
+            Action::Compare(CompareAction::Look(look)) => self.compare_with_look(look),
             Action::Compare(action) => self.comparison.perform(&mut self.work, &self.picture, action),
             Action::ExplainPixel(pixel) => self.explain.explain(&self.work, &self.picture, pixel),
             Action::Ladder(action) => {
@@ -78,6 +82,28 @@ impl EditorState {
             CameraAction::Copy => self.copy_camera(ctx),
             CameraAction::Paste => self.ask_for_camera(ctx),
         }
+    }
+
+    fn perform_look(&mut self, ctx: &Context, action: LookAction) {
+        match action {
+            LookAction::Show(look) => {
+                let actions = show_look(&self.work.document, look, LookPart::All);
+                actions.into_iter().for_each(|action| self.perform(ctx, action));
+            }
+            LookAction::Describe => self.describe_pictures(),
+        }
+    }
+
+    fn compare_with_look(&mut self, look: usize) {
+        let Some(named) = self.work.document.looks.get(look).cloned() else { return };
+        let Some(shown) = self.shown_document(self.work.viewport_size) else { return };
+        self.comparison.compare_with_look(&named.name, shown.with_look(&named.state));
+    }
+
+    /// Opens the dialog for pictures of looks.
+    fn describe_pictures(&mut self) {
+        let Some(shown) = self.shown_document(self.work.viewport_size) else { return };
+        self.exporting.describe_pictures(&self.work, &shown);
     }
 
     fn perform_export(&mut self, action: ExportAction) {
@@ -148,6 +174,12 @@ impl EditorState {
             Command::DefaultInterface => Action::prefer(Preferences { ui_scale: 1.0, ..self.work.preferences.clone() }),
             Command::Tool(tool) => {
                 self.pose.tool = tool;
+                return;
+            }
+            Command::Look(look) => Action::Look(LookAction::Show(look)),
+            Command::AddLook => {
+                self.work.tabs.side = Side::Looks;
+                actions.extend(add_look(&self.work.document));
                 return;
             }
             Command::Play => Action::Pose(PoseAction::Play),

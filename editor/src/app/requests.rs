@@ -3,15 +3,11 @@
 
 use super::state::EditorState;
 use crate::{
-    document::{Document, lights::shines},
-    jobs::render_thread::RenderRequest,
-    viewport::ViewportResponse,
+    jobs::render_thread::RenderRequest, look::look_of, looks::PictureOfDocument, viewport::ViewportResponse,
     workspace::BakeStage,
 };
 use egui::Context;
-use lapidary_core::{dataset::BakeParts, environment::Environment};
-use lapidary_render::{Appearance, Baked, Components, Illumination, Look, Solution, View};
-use std::sync::Arc;
+use lapidary_render::Look;
 
 impl EditorState {
     /// Requests a picture of the document at the size of the viewport.
@@ -44,23 +40,17 @@ impl EditorState {
     /// The look of the document in a viewport of `size` pixels; `None` without an environment.
     pub(super) fn look(&self, size: [u32; 2]) -> Option<Look> {
         let environment = self.environments.loaded()?.clone();
-        let document = &self.work.document;
-        let baked = self.work.scene.rendered();
-        let bounces = baked.map_or(BakeParts::NONE, |b| b.dataset.bounces());
+        let (document, baked) = (&self.work.document, self.work.scene.rendered());
         let assigned = baked.and_then(|baked| self.picture.requests.assigned(document, baked));
-        Some(Look {
-            poses: baked.map(|baked| self.pose.poses_since(&self.work, baked)).unwrap_or_default(),
-            appearance: Appearance { assigned, ..document.appearance() },
-            illumination: illumination(document, environment),
-            lights: document.lights.iter().filter(|light| shines(light)).cloned().collect(),
-            components: shown_components(document, baked),
-            solution: Solution::closest_to(document.solution, bounces).unwrap_or_default(),
-            illum_cut: document.view.illum_cut,
-            tau: document.view.tau,
-            sampling: document.view.sampling,
-            view: view_of(document, size),
-            post: document.view.post,
-        })
+        let poses = baked.map(|baked| self.pose.poses_since(&self.work, baked)).unwrap_or_default();
+        Some(look_of(document, baked, environment, (assigned, poses), size))
+    }
+
+    /// What the window shows, for pictures that are made elsewhere; `None` without a scene.
+    pub(super) fn shown_document(&self, size: [u32; 2]) -> Option<PictureOfDocument> {
+        let baked = self.work.scene.rendered()?.clone();
+        let poses = self.pose.poses_since(&self.work, &baked);
+        Some(PictureOfDocument { document: self.work.document.clone(), baked, poses, size, aa: None })
     }
 
     /// Whether a button is held and has changed the document, as in a drag of a slider.
@@ -70,57 +60,5 @@ impl EditorState {
             self.picture.requests.at_rest = revision;
         }
         self.picture.requests.at_rest != revision
-    }
-}
-
-/// The components that are shown. An environment that lights no surface would only mislead as a background, and a
-/// reference would have a bounce that the picture cannot have.
-fn shown_components(document: &Document, baked: Option<&Baked>) -> Components {
-    let shown = document.components.shown();
-    let Some(dataset) = baked.map(|baked| &baked.dataset) else { return shown };
-    let (has_environment, has_bounces) = (dataset.settings.mode.environment(), dataset.has_bounces());
-    Components { environment: shown.environment && has_environment, indirect: shown.indirect && has_bounces, ..shown }
-}
-
-/// The environment with the document's rotation and intensity.
-pub fn illumination(document: &Document, environment: Arc<Environment>) -> Illumination {
-    let settings = &document.environment;
-    Illumination { environment, rotation: settings.rotation(), intensity: settings.intensity, sun: settings.suns() }
-}
-
-/// The view of a document in a picture of `size` pixels.
-pub fn view_of(document: &Document, size: [u32; 2]) -> View {
-    let view = &document.view;
-    View {
-        aa: view.aa,
-        background: view.background(),
-        ground: document.bake.ground,
-        mirrors: view.mirrors,
-        mode: view.mode,
-        basis: view.basis,
-        wireframe: view.wireframe,
-        ..View::new(document.camera.clone(), size)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use lapidary_core::{cut::packed::PackedCuts, dataset::BakeParts, sources::IndirectBake, test_scenes};
-
-    #[test]
-    fn light_that_was_not_baked_is_not_shown() {
-        let document = Document::empty();
-        let mut dataset = test_scenes::dataset(&["a"], &[]);
-        let shown = shown_components(&document, Some(&dataset.clone().into()));
-        assert_eq!(shown, Components { indirect: false, ..Components::ALL }, "no bounces were baked");
-        dataset.settings.mode = BakeParts::INDIRECT;
-        let shown = shown_components(&document, Some(&dataset.clone().into()));
-        assert_eq!(shown, Components { direct: true, ..Components::NONE });
-        let [cuts, environment_cuts] = [PackedCuts::default(), PackedCuts::default()];
-        dataset.indirect = Some(IndirectBake { sources: Vec::new(), cuts, environment_cuts });
-        let shown = shown_components(&document, Some(&dataset.into()));
-        assert_eq!(shown, Components { environment: false, ..Components::ALL }, "negative control: bounces were");
-        assert_eq!(shown_components(&document, None), Components::ALL);
     }
 }

@@ -182,6 +182,7 @@ pub fn icon_of(tab: Inspector) -> Icon {
 pub fn icon_of_side(tab: Side) -> Icon {
     match tab {
         Side::Scene => Icon::Scene,
+        Side::Looks => Icon::Looks,
         Side::Library => Icon::Library,
     }
 }

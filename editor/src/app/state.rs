@@ -19,6 +19,7 @@ use crate::{
     },
     ladder::LadderWindow,
     lights::LightsPanel,
+    looks::LooksPanel,
     materials::MaterialPanel,
     paths::Folders,
     picture::Picture,
@@ -82,6 +83,7 @@ pub struct EditorState {
     pub(super) exporting: Exporting,
     pub(super) pose: Posing,
     pub(super) lights: LightsPanel,
+    pub(super) looks: LooksPanel,
     pub(super) materials: MaterialPanel,
 }
 
@@ -112,6 +114,7 @@ impl EditorState {
             exporting: Exporting::default(),
             pose: Posing::default(),
             lights: LightsPanel::default(),
+            looks: LooksPanel::default(),
             materials: MaterialPanel::default(),
             safe: Safekeeping::new(&work),
             work,

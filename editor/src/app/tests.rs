@@ -14,6 +14,7 @@ mod handles;
 mod hands;
 mod kept;
 mod lights;
+mod looks;
 mod materials;
 mod objects;
 mod panels;

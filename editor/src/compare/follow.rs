@@ -1,10 +1,18 @@
 //! Follows the picture: the comparison restarts for another picture, and measures again when only the display changes.
 
 use super::{panel::KindChoice, state::Comparison};
-use crate::{actions::CompareAction, picture::Picture, workspace::Workspace};
+use crate::{
+    actions::CompareAction,
+    looks::{Maps, PictureOfDocument},
+    picture::Picture,
+    workspace::Workspace,
+};
 use egui::Context;
-use lapidary_studies::jobs::comparison::ComparisonEvent;
-use std::path::PathBuf;
+use lapidary_studies::jobs::comparison::{ComparisonEvent, OtherLook};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 impl Comparison {
     /// Performs an action.
@@ -13,8 +21,8 @@ impl Comparison {
             CompareAction::Toggle => self.toggle(work, picture),
             CompareAction::Reference(Some(path)) => self.choose_reference(path),
             CompareAction::Pause(paused) => self.pause(paused),
-            // The path is asked for first.
-            CompareAction::Reference(None) => {}
+            // The path is asked for first, and looks need the picture.
+            CompareAction::Reference(None) | CompareAction::Look(_) => {}
         }
     }
 
@@ -64,6 +72,24 @@ impl Comparison {
         }
         let panel = &mut self.panel;
         (panel.open, panel.tool) = (!panel.open, None);
+    }
+
+    /// Compares with a look from now on, made by this picture of it.
+    pub fn compare_with_look(&mut self, name: &str, picture: PictureOfDocument) {
+        self.looks_asked += 1;
+        let made = Mutex::new(None);
+        // It is made once, also when the camera moves.
+        let make = move || {
+            let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+            let look = made.take().map_or_else(|| picture.look(&mut Maps::default()), Ok)?;
+            Ok(made.insert(look).clone())
+        };
+        let look = OtherLook { number: self.looks_asked, make: Arc::new(make) };
+        let panel = &mut self.panel;
+        // Both are by cuts, and as fast as the live picture.
+        (panel.open, panel.kind, panel.scale) = (true, KindChoice::Look, 1);
+        panel.look = Some((name.into(), look));
+        self.end();
     }
 
     /// Compares with a picture file from now on.

@@ -14,7 +14,7 @@ use lapidary_core::image::Region;
 use lapidary_render::{Baked, Look, ViewMode, compare::map::ErrorMap};
 use lapidary_studies::{
     jobs::{
-        comparison::{ComparisonRequest, ReferenceKind, ReferencePicture},
+        comparison::{ComparisonRequest, OtherLook, ReferenceKind, ReferencePicture},
         measure::{Measured, ShownMap},
     },
     ladder::Cuts,
@@ -23,6 +23,8 @@ use std::path::{Path, PathBuf};
 
 /// Pixels of the live picture along each axis per pixel of the comparison.
 const SCALES: [(u32, &str); 4] = [(1, "Full size"), (2, "1/2 size"), (4, "1/4 size"), (8, "1/8 size")];
+/// Most samples per pixel of a view in two looks.
+const SAMPLES_OF_LOOKS: u32 = 4;
 /// Grid of regions in pixels, so that coarse references have pixels in them.
 const GRID: u32 = 4;
 /// Width in points of the button that pauses and resumes tracing.
@@ -40,6 +42,8 @@ pub enum KindChoice {
     Paths,
     /// A picture file.
     File,
+    /// Another look of the scene.
+    Look,
 }
 
 /// Effect of the next drag or click in the viewport.
@@ -62,6 +66,8 @@ pub struct ComparisonPanel {
     pub spp: u32,
     /// The picture file.
     pub file: Option<PathBuf>,
+    /// The other look, and its name.
+    pub look: Option<(String, OtherLook)>,
     /// See [`ComparisonRequest::scale`].
     pub scale: u32,
     /// How both are shown.
@@ -89,6 +95,7 @@ impl Default for ComparisonPanel {
             kind: KindChoice::default(),
             spp: 64,
             file: None,
+            look: None,
             scale: 4,
             view: CompareView::default(),
             flicker: false,
@@ -112,14 +119,18 @@ impl ComparisonPanel {
     pub fn request(&self, baked: Option<Baked>, mut look: Look) -> Option<ComparisonRequest> {
         // Settings without effect on the comparison do not restart it.
         (look.view.mode, look.view.wireframe) = (ViewMode::Shaded, false);
-        if self.kind != KindChoice::File {
-            look.view.aa = 1;
-        }
         let kind = match self.kind {
             KindChoice::Samples => ReferenceKind::Samples,
             KindChoice::Paths => ReferenceKind::Paths { spp: self.spp },
             KindChoice::File => ReferenceKind::File(self.file.clone()?),
+            KindChoice::Look => ReferenceKind::Look(self.look.as_ref()?.1.clone()),
         };
+        match kind {
+            ReferenceKind::Samples | ReferenceKind::Paths { .. } => look.view.aa = 1,
+            // Smooth edges, soon: the live picture takes the cores, too.
+            ReferenceKind::Look(_) => look.view.aa = look.view.aa.min(SAMPLES_OF_LOOKS),
+            ReferenceKind::File(_) => {}
+        }
         let mut request = ComparisonRequest { baked, look, kind, scale: self.scale, region: None };
         if self.kind != KindChoice::File {
             request.region = self.region_of(request.size());
@@ -171,7 +182,22 @@ impl ComparisonPanel {
                 format!("B: {} light paths per pixel{noise}{done}", self.spp)
             }
             KindChoice::File => format!("B: {}", file_name(self.file.as_deref())),
+            KindChoice::Look => format!("B: {}", self.look_name()),
         }
+    }
+}
+
+impl ComparisonPanel {
+    /// Label in place of a reference that is not there yet.
+    pub fn waiting_label(&self) -> &'static str {
+        match self.kind {
+            KindChoice::Look => "B: the look is being rendered",
+            _ => "B: the reference is being traced",
+        }
+    }
+
+    fn look_name(&self) -> &str {
+        self.look.as_ref().map_or("no look", |(name, _)| name)
     }
 }
 
@@ -202,7 +228,7 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
     ui.horizontal_wrapped(|ui| {
         ui.set_max_width(ui.available_width() - CLOSE - ui.spacing().item_spacing.x);
         reference(ui, panel, actions);
-        if panel.kind != KindChoice::File {
+        if matches!(panel.kind, KindChoice::Samples | KindChoice::Paths) {
             tracing(ui, context, actions);
         }
         ui.separator();
@@ -240,10 +266,12 @@ fn close(ui: &mut Ui, panel: &mut ComparisonPanel) {
 }
 
 fn waiting(panel: &ComparisonPanel) -> &'static str {
-    if panel.kind == KindChoice::File && panel.file.is_none() {
-        "Choose a picture of this view to compare with, scene-linear if possible"
-    } else {
-        "Tracing the first pass of the reference"
+    match panel.kind {
+        KindChoice::File if panel.file.is_none() => {
+            "Choose a picture of this view to compare with, scene-linear if possible"
+        }
+        KindChoice::Look => "Rendering the view in both looks",
+        _ => "Tracing the first pass of the reference",
     }
 }
 
@@ -257,9 +285,12 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
         (KindChoice::Paths, "Light paths", "Trace light paths, to measure the whole error, with some noise"),
         (KindChoice::File, "Picture file", "Use a picture of this view from another program"),
     ];
+    let look = format!("Look \"{}\"", panel.look_name());
+    let look = panel.look.is_some().then_some((KindChoice::Look, look.as_str(), "Show the view in this look, by cuts"));
+    let kinds: Vec<_> = kinds.into_iter().chain(look).collect();
     let chosen = kinds.iter().find(|k| k.0 == panel.kind).map_or("", |k| k.1);
     let combo = ComboBox::from_id_salt("reference").selected_text(chosen).show_ui(ui, |ui| {
-        for (kind, label, help) in kinds {
+        for &(kind, label, help) in &kinds {
             ui.selectable_value(&mut panel.kind, kind, label).on_hover_text(help);
         }
     });

@@ -47,6 +47,8 @@ pub struct Comparison {
     /// Why tracing and measuring failed.
     pub trace_problem: Option<String>,
     pub measure_problem: Option<String>,
+    /// Counts looks that were compared with, to tell them apart.
+    pub looks_asked: u64,
     /// Counts comparisons, to drop measures of earlier ones.
     pub generation: u64,
     pub asked: Option<Asked>,
@@ -68,6 +70,7 @@ impl Comparison {
             measured: None,
             trace_problem: None,
             measure_problem: None,
+            looks_asked: 0,
             generation: 0,
             asked: None,
             shown: None,
@@ -101,7 +104,7 @@ impl Comparison {
         let panel = &self.panel;
         let progress = self.jobs.as_ref().map_or(0.0, |jobs| jobs.tracing.progress());
         let reference = self.reference.as_ref();
-        let waiting = || "B: the reference is being traced".to_owned();
+        let waiting = || panel.waiting_label().to_owned();
         let noise = self.measured.as_ref().and_then(|measured| measured.noise);
         let labels = [
             panel.picture_label(cuts),

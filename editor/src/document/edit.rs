@@ -2,6 +2,7 @@
 
 use super::{
     ComponentSettings, Document, EnvironmentSettings, ViewSettings,
+    looks::{LookState, NamedLook},
     objects::ObjectNumbers,
     parts::{Assignment, Renumbering, renumber},
 };
@@ -52,6 +53,10 @@ pub enum Edit {
     View(ViewSettings),
     /// Other bookmarks.
     Bookmarks(Vec<Camera>),
+    /// What a look shows, or a part of it.
+    Look(Box<LookState>),
+    /// Other looks.
+    Looks(Vec<NamedLook>),
     /// Other settings for the next bake.
     Bake(Box<BakeSettings>),
 }
@@ -79,6 +84,8 @@ impl Edit {
             Self::Solution(solution) => swap(solution, &mut document.solution),
             Self::View(view) => swap(view, &mut document.view),
             Self::Bookmarks(bookmarks) => swap(bookmarks, &mut document.bookmarks),
+            Self::Look(state) => state.swap(document),
+            Self::Looks(looks) => swap(looks, &mut document.looks),
             Self::Bake(bake) => swap(&mut **bake, &mut document.bake),
         }
     }
@@ -89,6 +96,9 @@ impl Edit {
             Self::Material { index, .. } => *index < document.materials.len(),
             Self::Light { index, .. } => *index < document.lights.len(),
             Self::Added { material, .. } => material.is_some() || document.added > 0,
+            Self::Look(state) => state.materials.as_ref().is_none_or(|of_look| {
+                of_look.materials.len().checked_sub(of_look.added) == Some(document.own_materials())
+            }),
             // Poses of deleted objects have no target.
             Self::Poses(poses) => {
                 !poses.is_empty() && poses.keys().all(|&object| (object as usize) < document.objects.len())
@@ -111,6 +121,8 @@ impl Edit {
             Self::Solution(solution) => *solution != document.solution,
             Self::View(view) => *view != document.view,
             Self::Bookmarks(bookmarks) => *bookmarks != document.bookmarks,
+            Self::Look(state) => self.fits(document) && state.differs(document),
+            Self::Looks(looks) => *looks != document.looks,
             Self::Bake(bake) => **bake != document.bake,
         }
     }
@@ -130,14 +142,31 @@ impl Edit {
             (Self::Material { index: a, .. }, Self::Material { index: b, .. })
             | (Self::Light { index: a, .. }, Self::Light { index: b, .. }) => a == b,
             (Self::Poses(a), Self::Poses(b)) => a.keys().eq(b.keys()),
-            (Self::Added { .. }, Self::Added { .. }) => false,
+            (Self::Added { .. }, Self::Added { .. }) | (Self::Look(_), Self::Look(_)) => false,
             _ => discriminant(self) == discriminant(other),
         }
     }
 
-    /// Renumbers the materials that it names.
-    pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
+    /// Visits the materials that it holds.
+    pub fn visit_materials(&mut self, visit: &mut dyn FnMut(&mut Material)) {
         match self {
+            Self::Material { material, .. } => visit(material),
+            Self::Added { material, .. } => material.as_deref_mut().into_iter().for_each(visit),
+            Self::Look(state) => state.materials_mut().for_each(|(_, material)| visit(material)),
+            Self::Looks(looks) => {
+                looks.iter_mut().flat_map(|look| look.state.materials_mut()).for_each(|(_, material)| visit(material));
+            }
+            _ => {}
+        }
+    }
+
+    /// Renumbers the materials that it names or holds, in a document whose materials are `now`.
+    pub fn renumber_materials(&mut self, renumbering: &Renumbering, now: &[Material]) {
+        match self {
+            Self::Look(state) => state.renumber_materials(renumbering, now),
+            Self::Looks(looks) => {
+                looks.iter_mut().for_each(|look| look.state.renumber_materials(renumbering, now));
+            }
             Self::Material { index, .. } => *index = renumbering.of(*index),
             Self::Assigned(assigned) | Self::Added { assigned, .. } => renumber(assigned, renumbering),
             Self::View(view) => view.renumber_materials(renumbering),
@@ -153,6 +182,8 @@ impl Edit {
                 *poses = found.collect();
             }
             Self::Assigned(assigned) | Self::Added { assigned, .. } => numbers.renumber(assigned),
+            Self::Look(state) => state.renumber_objects(numbers),
+            Self::Looks(looks) => looks.iter_mut().for_each(|look| look.state.renumber_objects(numbers)),
             _ => {}
         }
     }

@@ -92,18 +92,14 @@ impl History {
         }
     }
 
-    /// The materials of all steps, for files that are reloaded.
-    pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut Material> {
-        self.edits_mut().filter_map(|edit| match edit {
-            Edit::Material { material, .. } => Some(&mut **material),
-            Edit::Added { material, .. } => material.as_deref_mut(),
-            _ => None,
-        })
+    /// Visits the materials of all steps, for files that are reloaded.
+    pub fn visit_materials(&mut self, visit: &mut dyn FnMut(&mut Material)) {
+        self.edits_mut().for_each(|edit| edit.visit_materials(visit));
     }
 
-    /// Renumbers the materials that its steps name.
-    pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
-        self.edits_mut().for_each(|edit| edit.renumber_materials(renumbering));
+    /// Renumbers the materials that its steps name or hold, in a document whose materials are `now`.
+    pub fn renumber_materials(&mut self, renumbering: &Renumbering, now: &[Material]) {
+        self.edits_mut().for_each(|edit| edit.renumber_materials(renumbering, now));
     }
 
     /// Renumbers the objects that its steps name. Undo skips a step whose objects are all gone.

@@ -47,6 +47,7 @@ impl Document {
     fn take_names(&mut self, names: Vec<String>) -> ObjectNumbers {
         let numbers = ObjectNumbers::between(&self.objects, &names);
         numbers.renumber(&mut self.assigned);
+        self.looks.iter_mut().for_each(|look| look.state.renumber_objects(&numbers));
         self.poses = self.poses.renumbered(|object| numbers.of(object));
         self.objects = names;
         numbers

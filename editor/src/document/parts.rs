@@ -108,10 +108,11 @@ impl Document {
         [name.to_owned()].into_iter().filter(|name| !name.is_empty()).chain(numbered).find(is_free).unwrap_or_default()
     }
 
-    /// Renumbers the materials that the document refers to.
+    /// Renumbers the materials that the document and its looks refer to.
     pub fn renumber_materials(&mut self, renumbering: &Renumbering) {
         renumber(&mut self.assigned, renumbering);
         self.view.renumber_materials(renumbering);
+        self.looks.iter_mut().for_each(|look| look.state.renumber_materials(renumbering, &self.materials));
     }
 }
 

@@ -1,8 +1,8 @@
 //! Session files: a document as versioned JSON, without its pictures and its dataset, which it names by path.
 //!
 //! `{"lapidary_session": 2, "scene", "dataset", "materials", "added", "assigned", "environment", "lights", "components",
-//! "solution", "camera", "bookmarks", "view", "bake"}`; the lights are those of a lights file. Paths are relative to the file,
-//! angles in degrees. Reading is lenient: invalid values are replaced with a warning, unknown keys are kept and written back
+//! "solution", "camera", "bookmarks", "looks", "view", "bake"}`; the lights are those of a lights file, and each of the looks has a
+//! name and any of the keys from "materials" to "camera" and "view". Paths are relative to the file, angles in degrees. Reading is lenient: invalid values are replaced with a warning, unknown keys are kept and written back
 //! ([`Unknown`]), missing files are listed and can be searched for ([`LoadedSession::relink`]). Only a newer version or damaged
 //! JSON is refused.
 
@@ -17,7 +17,7 @@ mod resolve;
 mod write;
 
 pub use error::SessionError;
-pub use file::Session;
+pub use file::{Session, SessionLight, SessionLook};
 pub use lenient::{Unknown, read_leniently};
 pub use read::{LoadedSession, load};
 pub use write::save;
@@ -25,7 +25,9 @@ pub use write::save;
 #[cfg(test)]
 use read::MissingFile;
 
-use file::{SessionAssignment, SessionCamera, SessionMaterial, SessionPose, SessionSlot, TextureSource};
+use file::{
+    SessionAssignment, SessionCamera, SessionMaterial, SessionMaterials, SessionPose, SessionSlot, TextureSource,
+};
 
 pub(super) use read::read_json;
 pub(super) use write::save_for_recovery;

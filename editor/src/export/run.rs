@@ -2,11 +2,13 @@
 
 use super::{
     dialog::{SequenceAnswer, SequenceDialog},
+    pictures::{PicturesAnswer, PicturesDialog},
     state::{Exporting, Run},
 };
 use crate::{
     actions::{Action, ExportAction},
     document::folder_of,
+    looks::PictureOfDocument,
     workspace::{Workspace, Written},
 };
 use egui::Context;
@@ -22,7 +24,7 @@ use lapidary_studies::{
         materials::{MaterialExport, summary},
     },
     jobs::export::{ExportMessage, ExportRun, ExportTask},
-    outputs::CommandFiles,
+    outputs::{CommandFiles, create_folder},
     terminal::error_text,
 };
 use std::{
@@ -49,12 +51,16 @@ impl Exporting {
             ExportAction::Materials(Some(path)) => export_materials(work, path),
             ExportAction::DescribeSequence => self.describe_sequence(work, exported),
             ExportAction::SequenceFolder(Some(folder)) => self.choose_sequence_folder(&folder),
+            ExportAction::PicturesFolder(Some(folder)) => {
+                self.pictures.iter_mut().for_each(|dialog| dialog.folder = folder.display().to_string());
+            }
             ExportAction::Cancel => self.cancel(),
             // The picture feature performs `Picture`; a dialog asks for missing paths first.
             ExportAction::Picture(_)
             | ExportAction::Layers(None)
             | ExportAction::Materials(None)
-            | ExportAction::SequenceFolder(None) => {}
+            | ExportAction::SequenceFolder(None)
+            | ExportAction::PicturesFolder(None) => {}
         }
     }
 
@@ -93,6 +99,52 @@ impl Exporting {
             None => {}
         }
         self.dialog = Some(dialog);
+    }
+
+    /// Opens the dialog for pictures of looks.
+    pub fn describe_pictures(&mut self, work: &Workspace, shown: &PictureOfDocument) {
+        let file = work.file().map_or_else(|| PathBuf::from("picture"), Into::into);
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        self.pictures = Some(PicturesDialog::new(shown, &folder_of(&file).join("pictures"), &name));
+    }
+
+    /// Shows the dialog for pictures of looks, if it is open, and acts on its answer.
+    pub fn show_pictures_dialog(
+        &mut self,
+        ctx: &Context,
+        work: &Workspace,
+        shown: Option<PictureOfDocument>,
+        pixel_secs: Option<f64>,
+        actions: &mut Vec<Action>,
+    ) {
+        let Some(mut dialog) = self.pictures.take() else { return };
+        let Some(shown) = shown else { return };
+        match dialog.show(ctx, pixel_secs) {
+            Some(PicturesAnswer::Cancel) => return,
+            Some(PicturesAnswer::ChooseFolder) => actions.push(Action::Export(ExportAction::PicturesFolder(None))),
+            Some(PicturesAnswer::Render) => match self.begin_pictures(work, &dialog, &shown) {
+                Ok(()) => return,
+                Err(error) => dialog.problem = Some(error_text(&error)),
+            },
+            None => {}
+        }
+        self.pictures = Some(dialog);
+    }
+
+    fn begin_pictures(
+        &mut self,
+        work: &Workspace,
+        dialog: &PicturesDialog,
+        shown: &PictureOfDocument,
+    ) -> anyhow::Result<()> {
+        if self.is_running() {
+            anyhow::bail!(UNDER_WAY);
+        }
+        let (task, files) = dialog.task(shown)?;
+        create_folder(Path::new(dialog.folder.trim()))?;
+        files.reads(work.inputs(Written::Other)).check()?;
+        self.start(work, task, shown.baked.clone());
+        Ok(())
     }
 
     fn begin_sequence(

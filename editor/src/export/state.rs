@@ -1,6 +1,9 @@
 //! The running export, and the dialog that describes the next.
 
-use super::dialog::{SequenceDialog, duration};
+use super::{
+    dialog::{SequenceDialog, duration},
+    pictures::PicturesDialog,
+};
 use lapidary_studies::jobs::export::ExportRun;
 use std::time::Instant;
 
@@ -9,6 +12,8 @@ use std::time::Instant;
 pub struct Exporting {
     pub run: Option<Run>,
     pub dialog: Option<SequenceDialog>,
+    /// The dialog that describes pictures of looks.
+    pub pictures: Option<PicturesDialog>,
 }
 
 /// A running export.
@@ -20,6 +25,11 @@ pub struct Run {
 }
 
 impl Exporting {
+    /// Whether a dialog is open.
+    pub fn is_asking(&self) -> bool {
+        self.dialog.is_some() || self.pictures.is_some()
+    }
+
     /// Whether an export is running.
     pub fn is_running(&self) -> bool {
         self.run.is_some()
@@ -33,7 +43,7 @@ impl Exporting {
             (true, _) => "Canceling the export...".into(),
             (false, 0 | 1) => "Exporting...".into(),
             (false, total) => {
-                let frame = format!("Exporting frame {} of {total}", (done + 1).min(total));
+                let frame = format!("Exporting picture {} of {total}", (done + 1).min(total));
                 match run.since.filter(|&(_, there)| done > there) {
                     Some((since, there)) => {
                         let left = since.elapsed().as_secs_f64() / (done - there) as f64 * (total - done) as f64;

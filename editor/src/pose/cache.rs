@@ -65,6 +65,13 @@ impl PoseCache {
         known.as_ref().map_or_else(|| Err(String::new()), |known| known.bound.clone())
     }
 
+    /// Poses of a document relative to a bake: its own, and those of its animation at its time. Objects without a pose at that
+    /// time stay as baked.
+    pub fn poses_since(&self, document: &Document, animation: Option<&Arc<Animation>>, baked: &Baked) -> Poses {
+        let in_time = self.in_time(document, animation, baked);
+        in_time.unwrap_or_else(|_| baked.dataset.scene.poses_since_baked(&document.poses))
+    }
+
     /// Poses of a document relative to a bake: its own, and those of its animation at its time.
     ///
     /// # Errors

@@ -19,8 +19,7 @@ impl Posing {
     /// Poses of the document relative to a bake: its own, and those of its animation at its time. Objects without a pose at that
     /// time stay as baked.
     pub fn poses_since(&self, work: &Workspace, baked: &Baked) -> Poses {
-        let in_time = self.cache.in_time(&work.document, work.scene.animation(), baked);
-        in_time.unwrap_or_else(|_| baked.dataset.scene.poses_since_baked(&work.document.poses))
+        self.cache.poses_since(&work.document, work.scene.animation(), baked)
     }
 
     /// Why the animation cannot pose the shown scene, in words.

@@ -35,7 +35,7 @@ impl Workspace {
 
     fn renumber_materials(&mut self, renumbering: Renumbering) {
         self.document.renumber_materials(&renumbering);
-        self.history.renumber_materials(&renumbering);
+        self.history.renumber_materials(&renumbering, &self.document.materials);
         let selected = self.selection.material.map(|index| renumbering.of(index));
         self.selection.material = selected.filter(|&index| index < self.document.materials.len());
     }

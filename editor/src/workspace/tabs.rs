@@ -38,18 +38,21 @@ pub enum Side {
     /// Objects, materials and cameras.
     #[default]
     Scene,
+    /// Looks to go back to.
+    Looks,
     /// The library of environments.
     Library,
 }
 
 impl Side {
-    /// Both tabs.
-    pub const ALL: [Self; 2] = [Self::Scene, Self::Library];
+    /// All tabs, in the order shown.
+    pub const ALL: [Self; 3] = [Self::Scene, Self::Looks, Self::Library];
 
     /// Its name.
     pub fn label(self) -> &'static str {
         match self {
             Self::Scene => "Scene",
+            Self::Looks => "Looks",
             Self::Library => "Library",
         }
     }

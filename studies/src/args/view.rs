@@ -218,8 +218,16 @@ impl ViewArgs {
     /// # Errors
     /// Needed and available memory, with a remedy.
     pub fn check_memory(&self, pictures: usize) -> Result<()> {
-        check_room(self.camera.size, pictures, memory::available())
+        check_memory(self.camera.size, pictures)
     }
+}
+
+/// Checks that this many pictures of a size fit in memory at once. Layers of a file count as pictures.
+///
+/// # Errors
+/// Needed and available memory, with a remedy.
+pub fn check_memory(size: [u32; 2], pictures: usize) -> Result<()> {
+    check_room(size, pictures, memory::available())
 }
 
 /// Bytes per pixel of the first picture: samples, sum, coverage, depth, an output copy and the encoded file.
@@ -232,7 +240,7 @@ fn check_room([width, height]: [u32; 2], pictures: usize, available: Option<u64>
     let needed = (u64::from(width) * u64::from(height)).saturating_mul(bytes);
     match available {
         Some(available) if needed > available => bail!(
-            "{} of {width} x {height} need about {} MB of memory, {} MB are free; lower --size",
+            "{} of {width} x {height} need about {} MB of memory, {} MB are free; choose a smaller size",
             if pictures > 1 { format!("{pictures} pictures or layers") } else { "the buffers of a picture".to_owned() },
             needed >> 20,
             available >> 20
@@ -438,7 +446,7 @@ mod tests {
         assert!(one.contains("2000 x 1000 need about 122 MB") && one.contains("100 MB are free"), "{one}");
         let layers = message([1000, 1000], 13);
         assert!(layers.starts_with("13 pictures or layers") && layers.contains("about 244 MB"), "{layers}");
-        assert!(message([32_768, 8192], usize::MAX).contains("lower --size"));
+        assert!(message([32_768, 8192], usize::MAX).contains("choose a smaller size"));
         assert!(check_room([32_768, 8192], usize::MAX, None).is_ok(), "the system does not report its memory");
     }
 

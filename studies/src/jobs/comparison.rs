@@ -5,10 +5,12 @@ mod control;
 mod worker;
 
 use super::{Wake, spawn};
+use anyhow::Result;
 use control::Control;
 use lapidary_core::image::{Image, Region};
 use lapidary_render::{BackendFactory, Baked, Look, PictureStats, Redo};
 use std::{
+    fmt,
     path::PathBuf,
     sync::{
         Arc,
@@ -28,6 +30,38 @@ pub enum ReferenceKind {
     },
     /// A picture of another renderer.
     File(PathBuf),
+    /// The same view in another look, by cuts.
+    Look(OtherLook),
+}
+
+/// Another look of the same scene, which the thread makes, since that may read files.
+#[derive(Clone)]
+pub struct OtherLook {
+    /// Tells it from others.
+    pub number: u64,
+    /// Makes it.
+    pub make: Arc<dyn Fn() -> Result<Look> + Send + Sync>,
+}
+
+impl fmt::Debug for OtherLook {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_tuple("OtherLook").field(&self.number).finish()
+    }
+}
+
+impl PartialEq for OtherLook {
+    fn eq(&self, other: &Self) -> bool {
+        self.number == other.number
+    }
+}
+
+impl Eq for OtherLook {}
+
+impl ReferenceKind {
+    /// Whether rays trace it through the centers of pixels. Others are filtered, like the live picture.
+    pub fn is_traced(&self) -> bool {
+        matches!(self, Self::Samples | Self::Paths { .. })
+    }
 }
 
 /// A requested comparison.

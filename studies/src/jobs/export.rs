@@ -2,7 +2,7 @@
 
 use super::{Wake, guarded, shared_progress::SharedProgress, spawn};
 use crate::{
-    export::{Finished, LayerKind, Studio},
+    export::{Finished, LayerKind, LayerList, Studio, wanted_layers},
     sequence::{Prepared, SequenceEnd, SequenceTask},
     terminal::Interrupted,
 };
@@ -35,6 +35,18 @@ pub enum ExportTask {
         /// The exr file.
         path: PathBuf,
     },
+    /// Several pictures, each in a look of its own.
+    Pictures(Vec<PictureTask>),
+}
+
+/// A picture to write.
+pub struct PictureTask {
+    /// Makes its look on the export's thread, since that may read files.
+    pub look: Box<dyn FnOnce() -> Result<Look> + Send>,
+    /// Layers of exr files.
+    pub layers: Option<LayerList>,
+    /// The files.
+    pub paths: Vec<PathBuf>,
 }
 
 /// An event of an export. The last three end it.
@@ -105,6 +117,7 @@ fn run(
     let end = match task {
         ExportTask::Sequence { task, prepared } => sequence(&task, prepared, &mut studio, state),
         ExportTask::Layers { look, layers, path } => picture(&look, &layers, path, &mut studio, state),
+        ExportTask::Pictures(pictures) => several(pictures, &mut studio, state),
     };
     for remark in studio.remarks() {
         let _ = sender.send(ExportMessage::Remark(remark));
@@ -125,6 +138,24 @@ fn sequence(
     } else {
         ExportMessage::Done(format!("Sequence written: {there} frames ({})", place.display()))
     })
+}
+
+/// Writes each picture when it is ready; a failure keeps those that are there.
+fn several(pictures: Vec<PictureTask>, studio: &mut Studio, state: &SharedProgress) -> Result<ExportMessage> {
+    let all = pictures.len();
+    let mut folder = PathBuf::new();
+    for (done, PictureTask { look, layers, paths }) in pictures.into_iter().enumerate() {
+        state.advanced(done as u64, all as u64);
+        let look = look()?;
+        match Finished::take(studio, &look, &wanted_layers(layers.as_ref(), &look)?, &|| state.cancelled()) {
+            Err(error) if error.is::<Interrupted>() => {
+                return Ok(ExportMessage::Cancelled(format!("Export cancelled: {done} of {all} pictures are written")));
+            }
+            finished => finished?.write(&look, &studio.baked().dataset, &paths)?,
+        }
+        folder = paths.first().and_then(|path| path.parent()).map(Into::into).unwrap_or_default();
+    }
+    Ok(ExportMessage::Done(format!("{all} pictures written ({})", folder.display())))
 }
 
 fn picture(

@@ -95,6 +95,9 @@ impl Purpose {
             Action::Export(ExportAction::SequenceFolder(_)) => {
                 Self::folder(FileUse::Picture, "Choose a folder for the frames", "Choose")
             }
+            Action::Export(ExportAction::PicturesFolder(_)) => {
+                Self::folder(FileUse::Picture, "Choose a folder for the pictures", "Choose")
+            }
             Action::Material(MaterialAction::LoadTexture { .. }) => {
                 Self::load(FileUse::Texture, "Load a texture", "Pictures", pictures())
             }

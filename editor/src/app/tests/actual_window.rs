@@ -6,8 +6,8 @@
 use super::{Place, Window};
 use crate::{
     actions::{Action, FileAction},
-    app::requests::{illumination, view_of},
     document::Document,
+    look::{illumination, view_of},
 };
 use egui_kittest::kittest::Queryable;
 use lapidary_core::{dataset::Dataset, texture::Texels};

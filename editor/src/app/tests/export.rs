@@ -18,7 +18,7 @@ fn opened(place: &Place) -> Window {
 }
 
 /// Replaces the text of a field.
-fn fill(window: &mut Window, field: &str, text: &str) {
+pub fn fill(window: &mut Window, field: &str, text: &str) {
     window.click(field);
     window.0.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
     window.0.run_steps(2);

@@ -54,7 +54,7 @@ fn changes_are_written_once_an_interval_and_only_changes() {
     assert!(s.tick(130) && !s.tick(200));
     s.turn(2.0);
     assert!(!s.tick(201) && !s.tick(230) && s.tick(231));
-    assert_eq!(load(&s.autosave.file).unwrap().session.environment.rotation_degrees, 2.0);
+    assert_eq!(load(&s.autosave.file).unwrap().session.light.environment.rotation_degrees, 2.0);
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn work_of_a_process_that_is_gone_is_offered_and_that_of_a_running_one_is_not() 
     assert!(found[0].saved_at.elapsed().is_ok_and(|age| age < Duration::from_secs(60)));
     let loaded = load(&found[0].file).unwrap();
     assert_eq!(loaded.session.scene, Some(s.folder.path().join("a.gltf")), "paths are absolute");
-    assert_eq!(loaded.session.environment.rotation_degrees, 7.0);
+    assert_eq!(loaded.session.light.environment.rotation_degrees, 7.0);
     assert_eq!(loaded.unknown, Unknown::default(), "the note is no part of the session");
     found[0].clone().discard().unwrap();
     assert!(recoverable(&s.state()).is_empty() && !orphan.exists());

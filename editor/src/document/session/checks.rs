@@ -1,22 +1,24 @@
 //! Clamps values of a file that a renderer cannot use, each with a warning.
 
-use super::{Session, SessionCamera, SessionMaterial};
+use super::{Session, SessionCamera, SessionLight, SessionLook, SessionMaterial, SessionMaterials};
 use crate::document::{EnvironmentSettings, SunChoice, ViewSettings, lights};
 use glam::Vec3;
-use lapidary_core::lights::{Emission, Light, MAX_LIGHTS};
+use lapidary_core::{
+    lights::{Emission, Light, MAX_LIGHTS},
+    names::told_apart,
+};
 use lapidary_precompute::{Preset, resolve};
 use std::fmt::Display;
 
 /// Brings all values of `session` into range, each change with a warning.
 pub fn sanitize(session: &mut Session, warnings: &mut Vec<String>) {
     let mut checks = Checks { warnings };
-    session.materials.iter_mut().for_each(|m| checks.material(m));
-    session.added = session.added.min(session.materials.len());
-    checks.environment(&mut session.environment);
-    checks.lights(session.lights.as_mut());
+    checks.materials(&mut session.materials);
+    checks.light(&mut session.light);
     checks.view(&mut session.view);
     session.camera.take_if(|camera| !checks.camera_is_usable(camera, "the default view is used"));
     session.bookmarks.retain_mut(|camera| checks.camera_is_usable(camera, "it was left out"));
+    checks.looks(&mut session.looks);
     if let Err(error) = resolve(session.bake.clone()) {
         checks.warnings.push(format!("the bake settings are replaced by the normal ones, since {error}"));
         session.bake = Preset::Normal.settings();
@@ -42,6 +44,33 @@ impl Checks<'_> {
             fallback
         };
         self.warnings.push(format!("{what} is {given}, outside {low} to {high}; {value} is used", value = *value));
+    }
+
+    /// Looks, whose names tell them apart.
+    fn looks(&mut self, looks: &mut [SessionLook]) {
+        let name = |look: &SessionLook| if look.name.is_empty() { "Look".into() } else { look.name.clone() };
+        let names = told_apart(looks.iter().map(name).collect());
+        for (look, name) in looks.iter_mut().zip(names) {
+            if look.name != name {
+                self.warnings
+                    .push(format!("a look called \"{}\" has another one's name; it is now \"{name}\"", look.name));
+                look.name = name;
+            }
+            look.materials.iter_mut().for_each(|materials| self.materials(materials));
+            look.light.iter_mut().for_each(|light| self.light(light));
+            look.view.iter_mut().for_each(|view| self.view(view));
+            look.camera.take_if(|camera| !self.camera_is_usable(camera, "the look leaves the camera where it is"));
+        }
+    }
+
+    fn materials(&mut self, SessionMaterials { materials, added, .. }: &mut SessionMaterials) {
+        materials.iter_mut().for_each(|material| self.material(material));
+        *added = (*added).min(materials.len());
+    }
+
+    fn light(&mut self, SessionLight { environment, lights, .. }: &mut SessionLight) {
+        self.environment(environment);
+        self.lights(lights.as_mut());
     }
 
     fn material(&mut self, material: &mut SessionMaterial) {

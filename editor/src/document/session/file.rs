@@ -1,6 +1,9 @@
 //! Contents of a session file as plain data: degrees instead of radians, textures by their source.
 
-use crate::document::{ComponentSettings, Document, EnvironmentSettings, ViewSettings};
+use crate::document::{
+    ComponentSettings, Document, EnvironmentSettings, ViewSettings,
+    looks::{LightOfLook, LookState, MaterialsOfLook, NamedLook},
+};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     animation::ClipTime,
@@ -26,17 +29,44 @@ pub struct Session {
     pub scene_in_file: Option<String>,
     /// The dataset.
     pub dataset: Option<PathBuf>,
+    /// The materials.
+    #[serde(flatten)]
+    pub materials: SessionMaterials,
+    /// Objects moved from their place in the file.
+    pub poses: Vec<SessionPose>,
+    /// The shown time of an animation; `None` at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip_time: Option<ClipTime>,
+    /// The light.
+    #[serde(flatten)]
+    pub light: SessionLight,
+    /// The camera; `None` for the dataset's.
+    pub camera: Option<SessionCamera>,
+    /// Cameras to go back to.
+    pub bookmarks: Vec<SessionCamera>,
+    /// Looks to go back to.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub looks: Vec<SessionLook>,
+    /// How the picture is made and shown.
+    pub view: ViewSettings,
+    /// Settings of the next bake.
+    pub bake: BakeSettings,
+}
+
+/// The materials of a document or a look.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SessionMaterials {
     /// In the order of the dataset, then the added ones.
     pub materials: Vec<SessionMaterial>,
     /// Number of added materials.
     pub added: usize,
     /// Parts with another material than the mesh's.
     pub assigned: Vec<SessionAssignment>,
-    /// Objects moved from their place in the file.
-    pub poses: Vec<SessionPose>,
-    /// The shown time of an animation; `None` at rest.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub clip_time: Option<ClipTime>,
+}
+
+/// The light of a document or a look.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SessionLight {
     /// The environment.
     pub environment: EnvironmentSettings,
     /// Local lights; `None`, in old files, for the scene's.
@@ -45,14 +75,21 @@ pub struct Session {
     pub components: ComponentSettings,
     /// How bounced light is computed.
     pub solution: Solution,
-    /// The camera; `None` for the dataset's.
+}
+
+/// A look to go back to. What it lacks stays as it is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SessionLook {
+    /// Its name.
+    pub name: String,
+    #[serde(flatten)]
+    pub materials: Option<SessionMaterials>,
+    #[serde(flatten)]
+    pub light: Option<SessionLight>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<SessionCamera>,
-    /// Cameras to go back to.
-    pub bookmarks: Vec<SessionCamera>,
-    /// How the picture is made and shown.
-    pub view: ViewSettings,
-    /// Settings of the next bake.
-    pub bake: BakeSettings,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<ViewSettings>,
 }
 
 /// See [`Material`].
@@ -167,36 +204,18 @@ pub struct SessionCamera {
 impl Session {
     /// The parts of `document`; no texels.
     pub fn of(document: &Document) -> Self {
-        // The ground's material is the last of the scene.
-        let (own, added) = document.materials.split_at(document.own_materials());
-        let material = |material: &Material| session_material(material, document);
-        let hidden = usize::from(document.hidden_ground.is_some());
-        let index = |index: usize| if index < own.len() { index } else { index + hidden };
-        // Parts of a hidden ground or with a removed material are left out.
-        let is_there = |(_, material): &(&Part, &usize)| **material < document.materials.len();
-        let name = |object: u32| document.objects.get(object as usize).cloned().unwrap_or_default();
-        let pose = |object: u32| SessionPose::new(name(object), object, document.poses.of(object));
-        let assignment = |(part, material): (&Part, &usize)| SessionAssignment {
-            name: name(part.object),
-            object: part.object,
-            own: part.material as usize,
-            material: index(*material),
-        };
+        let pose = |object: u32| SessionPose::new(name_of(document, object), object, document.poses.of(object));
         Self {
             scene: document.scene.clone(),
             scene_in_file: document.scene_in_file.clone(),
             dataset: document.dataset.clone(),
-            materials: own.iter().chain(&document.hidden_ground).chain(added).map(material).collect(),
-            added: added.len(),
-            assigned: document.assigned.iter().filter(is_there).map(assignment).collect(),
+            materials: SessionMaterials::of(&MaterialsOfLook::of(document), document),
             poses: document.poses.moved().map(pose).collect(),
             clip_time: document.clip_time.clone(),
-            environment: document.environment.clone(),
-            lights: Some(document.lights.clone()),
-            components: document.components,
-            solution: document.solution,
+            light: LightOfLook::of(document).into(),
             camera: Some((&document.camera).into()),
             bookmarks: document.bookmarks.iter().map(Into::into).collect(),
+            looks: document.looks.iter().map(|look| SessionLook::of(look, document)).collect(),
             view: document.view.clone(),
             bake: document.bake.clone(),
         }
@@ -206,19 +225,87 @@ impl Session {
     pub fn visit_paths(&mut self, visit: &mut dyn FnMut(&'static str, &mut PathBuf)) {
         self.scene.iter_mut().for_each(|path| visit("scene", path));
         self.dataset.iter_mut().for_each(|path| visit("dataset", path));
-        if let Some(mut path) = self.environment.file().map(PathBuf::from) {
-            visit("environment", &mut path);
-            self.environment.spec = path.to_string_lossy().into_owned();
+        for light in self.lights_mut() {
+            if let Some(mut path) = light.environment.file().map(PathBuf::from) {
+                visit("environment", &mut path);
+                light.environment.spec = path.to_string_lossy().into_owned();
+            }
         }
-        for file in self.materials.iter_mut().filter_map(|m| m.file.as_mut()) {
-            visit("BRDF", &mut file.path);
-        }
-        for slot in self.materials.iter_mut().flat_map(|m| m.maps.slots_mut()) {
-            if let Some(TextureSource::File(path)) = &mut slot.texture {
-                visit("texture", path);
+        for material in self.materials_mut() {
+            material.file.iter_mut().for_each(|file| visit("BRDF", &mut file.path));
+            for slot in material.maps.slots_mut() {
+                if let Some(TextureSource::File(path)) = &mut slot.texture {
+                    visit("texture", path);
+                }
             }
         }
     }
+
+    /// The light of the document and of its looks.
+    fn lights_mut(&mut self) -> impl Iterator<Item = &mut SessionLight> {
+        [&mut self.light].into_iter().chain(self.looks.iter_mut().filter_map(|look| look.light.as_mut()))
+    }
+
+    /// All materials, also of its looks.
+    pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut SessionMaterial> {
+        let of_looks = self.looks.iter_mut().filter_map(|look| look.materials.as_mut());
+        [&mut self.materials].into_iter().chain(of_looks).flat_map(|of_look| &mut of_look.materials)
+    }
+
+    /// The assignments of the document and of its looks.
+    pub fn assigned(&self) -> impl Iterator<Item = &SessionAssignment> {
+        let of_looks = self.looks.iter().filter_map(|look| look.materials.as_ref());
+        [&self.materials].into_iter().chain(of_looks).flat_map(|of_look| &of_look.assigned)
+    }
+}
+
+impl SessionMaterials {
+    /// The materials of a document, or of one of its looks.
+    fn of(of_look: &MaterialsOfLook, document: &Document) -> Self {
+        let MaterialsOfLook { materials, added, assigned, hidden_ground } = of_look;
+        // The ground's material is the last of the scene.
+        let (own, rest) = materials.split_at(materials.len().saturating_sub(*added));
+        let hidden = usize::from(hidden_ground.is_some());
+        let index = |index: usize| if index < own.len() { index } else { index + hidden };
+        // Parts of a hidden ground or with a removed material are left out.
+        let is_there = |(_, material): &(&Part, &usize)| **material < materials.len();
+        let assignment = |(part, material): (&Part, &usize)| SessionAssignment {
+            name: name_of(document, part.object),
+            object: part.object,
+            own: part.material as usize,
+            material: index(*material),
+        };
+        let material = |material: &Material| session_material(material, document);
+        Self {
+            materials: own.iter().chain(hidden_ground).chain(rest).map(material).collect(),
+            added: rest.len(),
+            assigned: assigned.iter().filter(is_there).map(assignment).collect(),
+        }
+    }
+}
+
+impl From<LightOfLook> for SessionLight {
+    fn from(LightOfLook { environment, lights, components, solution }: LightOfLook) -> Self {
+        Self { environment, lights: Some(lights), components, solution }
+    }
+}
+
+impl SessionLook {
+    fn of(NamedLook { name, state }: &NamedLook, document: &Document) -> Self {
+        let LookState { materials, light, camera, view } = state;
+        Self {
+            name: name.clone(),
+            materials: materials.as_ref().map(|materials| SessionMaterials::of(materials, document)),
+            light: light.clone().map(Into::into),
+            camera: camera.as_ref().map(Into::into),
+            view: view.clone(),
+        }
+    }
+}
+
+/// The name of an object, or nothing.
+fn name_of(document: &Document, object: u32) -> String {
+    document.objects.get(object as usize).cloned().unwrap_or_default()
 }
 
 /// A material of `document`, whose maps name pictures.

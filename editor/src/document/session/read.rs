@@ -1,8 +1,8 @@
 //! Reading of a session file.
 
 use super::{
-    AUTOSAVE_KEY, Session, SessionAssignment, SessionCamera, SessionError, SessionMaterial, SessionPose, SessionSlot,
-    Unknown, VERSION, VERSION_KEY, checks,
+    AUTOSAVE_KEY, Session, SessionAssignment, SessionCamera, SessionError, SessionLight, SessionLook, SessionMaterial,
+    SessionMaterials, SessionPose, SessionSlot, Unknown, VERSION, VERSION_KEY, checks,
     lenient::{read_leniently, refusal},
 };
 use crate::document::{
@@ -58,7 +58,7 @@ pub fn load(path: &Path) -> Result<LoadedSession, SessionError> {
     let mut reader = Reader::default();
     let mut session = reader.session(&root);
     if root.get(VERSION_KEY).and_then(Value::as_u64) == Some(1) {
-        session.materials.iter_mut().for_each(SessionMaterial::with_ward_of_before);
+        session.materials_mut().for_each(SessionMaterial::with_ward_of_before);
     }
     checks::sanitize(&mut session, &mut reader.warnings);
     let folder = folder_of(path);
@@ -116,24 +116,83 @@ impl Reader {
             scene: self.path(root, "scene"),
             scene_in_file: self.choice(root, "scene_in_file"),
             dataset: self.path(root, "dataset"),
+            materials: self.materials(root),
+            poses: self.list(root, "poses", |_| SessionPose::default()),
+            clip_time: root.get("clip_time").map(|_| self.part(root, "clip_time", ClipTime::default())),
+            light: self.light(root),
+            camera: self.camera(root),
+            bookmarks: self.list(root, "bookmarks", |_| SessionCamera::default()),
+            looks: self.looks(root),
+            view: self.part(root, "view", Default::default()),
+            bake: self.part(root, "bake", Preset::Normal.settings()),
+        };
+        self.keep_unknown(root, &session, &[VERSION_KEY, AUTOSAVE_KEY, "looks"]);
+        session
+    }
+
+    /// Keeps the keys that neither what was read has nor `others`.
+    fn keep_unknown(&mut self, root: &Map<String, Value>, read: &impl Serialize, others: &[&str]) {
+        let known = serde_json::to_value(read).expect("paths of JSON are text");
+        let unknown = |key: &str| known.get(key).is_none() && !others.contains(&key);
+        self.unknown.extend(root.iter().filter(|(key, _)| unknown(key)).map(|(k, v)| (k.clone(), v.clone())));
+    }
+
+    fn materials(&mut self, root: &Map<String, Value>) -> SessionMaterials {
+        SessionMaterials {
             materials: self.list(root, "materials", material_template),
             added: self.choice(root, "added"),
             assigned: self.list(root, "assigned", |_| SessionAssignment::default()),
-            poses: self.list(root, "poses", |_| SessionPose::default()),
-            clip_time: root.get("clip_time").map(|_| self.part(root, "clip_time", ClipTime::default())),
+        }
+    }
+
+    fn light(&mut self, root: &Map<String, Value>) -> SessionLight {
+        SessionLight {
             environment: self.part(root, "environment", Default::default()),
             lights: root.get("lights").map(|_| self.list(root, "lights", light_template)),
             components: self.part(root, "components", Default::default()),
             solution: self.choice(root, "solution"),
-            camera: root.get("camera").map(|_| self.part(root, "camera", SessionCamera::default())),
-            bookmarks: self.list(root, "bookmarks", |_| SessionCamera::default()),
-            view: self.part(root, "view", Default::default()),
-            bake: self.part(root, "bake", Preset::Normal.settings()),
+        }
+    }
+
+    fn camera(&mut self, root: &Map<String, Value>) -> Option<SessionCamera> {
+        root.get("camera").map(|_| self.part(root, "camera", SessionCamera::default()))
+    }
+
+    /// The looks. Each is read as the session is, with the keys that it has.
+    fn looks(&mut self, root: &Map<String, Value>) -> Vec<SessionLook> {
+        let Some(given) = root.get("looks") else { return Vec::new() };
+        let Value::Array(given) = given else {
+            self.warnings.push(refusal("looks", given));
+            return Vec::new();
         };
-        let known = serde_json::to_value(&session).expect("paths of JSON are text");
-        let unknown = |key: &str| known.get(key).is_none() && key != VERSION_KEY && key != AUTOSAVE_KEY;
-        self.unknown.extend(root.iter().filter(|(key, _)| unknown(key)).map(|(k, v)| (k.clone(), v.clone())));
-        session
+        let (mut looks, mut unknown) = (Vec::new(), Vec::new());
+        for (i, given) in given.iter().enumerate() {
+            let Value::Object(given) = given else {
+                self.warnings.push(format!("looks[{i}] is no object; it is left out"));
+                continue;
+            };
+            let mut reader = Self::default();
+            looks.push(reader.look(given));
+            self.warnings.extend(reader.warnings.into_iter().map(|warning| format!("looks[{i}]: {warning}")));
+            reader.unknown.insert("name".into(), looks.last().map_or("", |look| &look.name).into());
+            unknown.push(Value::from(reader.unknown));
+        }
+        if unknown.iter().any(|kept| kept.as_object().is_some_and(|kept| kept.len() > 1)) {
+            self.unknown.insert("looks".into(), unknown.into());
+        }
+        looks
+    }
+
+    fn look(&mut self, given: &Map<String, Value>) -> SessionLook {
+        let look = SessionLook {
+            name: self.choice(given, "name"),
+            materials: given.contains_key("materials").then(|| self.materials(given)),
+            light: given.contains_key("environment").then(|| self.light(given)),
+            camera: self.camera(given),
+            view: given.get("view").map(|_| self.part(given, "view", Default::default())),
+        };
+        self.keep_unknown(given, &look, &[]);
+        look
     }
 
     fn path(&mut self, root: &Map<String, Value>, key: &str) -> Option<PathBuf> {

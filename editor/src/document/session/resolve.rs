@@ -1,11 +1,15 @@
 //! Turns a session and its scene into a document.
 
 use super::{
-    LoadedSession, Session, SessionAssignment, SessionMaterial, SessionPose, TextureSource, brdfs,
-    file::document_material,
+    LoadedSession, Session, SessionAssignment, SessionLight, SessionMaterial, SessionMaterials, SessionPose,
+    TextureSource, brdfs, file::document_material,
 };
-use crate::document::{Document, TextureEntry};
-use lapidary_core::{ground, material::Material, parts::Part, scene::Scene, texture::Texture};
+use crate::document::{
+    Document, TextureEntry,
+    looks::{LightOfLook, LookState, MaterialsOfLook, NamedLook},
+    parts::Assignment,
+};
+use lapidary_core::{ground, lights::Light, material::Material, parts::Part, scene::Scene, texture::Texture};
 use lapidary_interchange::image;
 use std::{
     collections::HashMap,
@@ -19,60 +23,97 @@ impl LoadedSession {
     /// The document, and the warnings of loading and of this step. Reads pictures, so it takes a while.
     ///
     /// Without a scene the materials are the session's. With one they are the scene's, each with the values of the session's
-    /// material of the same name, or else in the same place.
+    /// material of the same name, or else in the same place. The same is done for the materials of looks.
     pub fn into_document(self, scene: Option<&Scene>) -> (Document, Vec<String>) {
         let Self { mut session, mut warnings, .. } = self;
         let mut document = match scene {
             Some(scene) => Document::of_scene(scene, None),
             None => Document::empty(),
         };
-        let mut textures = Textures::new(document.textures, &mut session, scene.is_some(), &mut warnings);
-        let own_count = session.materials.len().saturating_sub(session.added);
-        let added = session.materials.split_off(own_count);
-        let hidden = scene.and_then(|scene| hidden_ground(scene, &mut session.materials));
-        document.hidden_ground = hidden.map(|m| textures.material(&m));
-        let places = match scene {
-            Some(scene) => match_materials(&scene.materials, &session.materials),
-            None => (0..session.materials.len()).map(Some).collect(),
+        name_stand_ins(&mut document, &session);
+        let of_scene = std::mem::take(&mut document.textures);
+        let mut textures = Textures::new(of_scene, &mut session, scene.is_some());
+        let mut resolved = |materials: SessionMaterials, warnings: &mut Vec<String>| {
+            let mut resolver = Materials { document: &document, scene, textures: &mut textures, warnings };
+            resolver.resolve(materials)
         };
-        document.materials = match scene {
-            Some(_) => merged_materials(&document.materials, &session.materials, &places, &mut textures),
-            None => session.materials.iter().map(|m| textures.material(m)).collect(),
-        };
-        document.added = added.len();
-        document.materials.extend(added.iter().map(|m| textures.material(m)));
+        let materials = resolved(session.materials, &mut warnings);
+        let looks = session.looks.into_iter().map(|look| {
+            // What differs from the scene is told once.
+            let materials = look.materials.map(|materials| resolved(materials, &mut Vec::new()));
+            let light = look.light.map(|light| light_of(light, &document.lights));
+            let camera = look.camera.as_ref().map(Into::into);
+            NamedLook { name: look.name, state: LookState { materials, light, camera, view: look.view } }
+        });
+        let looks = looks.collect();
+        warnings.append(&mut textures.warnings);
+        document.looks = looks;
         document.textures = textures.entries;
-        brdfs::read(&mut document.materials, scene.map_or(&[], |scene| &scene.materials), &mut warnings);
-        // The session, not the bake, decides assignments.
-        document.assigned.clear();
-        let assigned = session.assigned.iter().map(|assignment| (assignment.object, &assignment.name));
-        name_stand_ins(&mut document, assigned.chain(session.poses.iter().map(|pose| (pose.object, &pose.name))));
-        take_assignments(&mut document, &session.assigned, own_count, &places);
+        let (light, camera) = (light_of(session.light, &document.lights), session.camera.as_ref().map(Into::into));
+        let mut state = LookState { materials: Some(materials), light: Some(light), camera, view: Some(session.view) };
+        state.swap(&mut document);
+        let own = scene.map_or(&[][..], |scene| &scene.materials);
+        brdfs::read(&mut document, own, &mut warnings);
         let ground = scene.and_then(|scene| scene.mesh.ground_object());
         take_poses(&mut document, &session.poses, ground, &mut warnings);
         document.clip_time = session.clip_time;
         (document.scene, document.scene_in_file) = (session.scene, session.scene_in_file);
         document.dataset = session.dataset;
-        document.environment = session.environment;
-        if let Some(lights) = session.lights {
-            document.lights = lights;
-        }
-        (document.components, document.solution) = (session.components, session.solution);
-        if let Some(camera) = &session.camera {
-            document.camera = camera.into();
-        }
         document.bookmarks = session.bookmarks.iter().map(Into::into).collect();
-        document.view = session.view;
         document.bake = session.bake;
         (document, warnings)
     }
 }
 
+/// The light of a document or a look; without lights it has those of the scene.
+fn light_of(
+    SessionLight { environment, lights, components, solution }: SessionLight,
+    of_scene: &[Light],
+) -> LightOfLook {
+    LightOfLook { environment, lights: lights.unwrap_or_else(|| of_scene.to_vec()), components, solution }
+}
+
+/// Finds the materials of a session in a scene.
+struct Materials<'a> {
+    /// With the scene's objects and materials, if there is one.
+    document: &'a Document,
+    scene: Option<&'a Scene>,
+    textures: &'a mut Textures,
+    warnings: &'a mut Vec<String>,
+}
+
+impl Materials<'_> {
+    fn resolve(&mut self, session: SessionMaterials) -> MaterialsOfLook {
+        let Self { document, scene, textures, warnings } = self;
+        let SessionMaterials { materials: mut own, added, assigned } = session;
+        let own_count = own.len().saturating_sub(added);
+        let added = own.split_off(own_count);
+        let hidden = scene.and_then(|scene| hidden_ground(scene, &mut own));
+        let hidden_ground = hidden.map(|material| textures.material(&material));
+        let (mut materials, places) = match scene {
+            Some(scene) => {
+                let places = match_materials(&scene.materials, &own);
+                warn_of_differences(&scene.materials, &own, &places, warnings);
+                (merged_materials(&document.materials, &own, &places, textures), places)
+            }
+            None => (own.iter().map(|m| textures.material(m)).collect(), (0..own.len()).map(Some).collect()),
+        };
+        let found =
+            Numbers { own: materials.len(), own_in_session: own_count, all: materials.len() + added.len(), places };
+        materials.extend(added.iter().map(|m| textures.material(m)));
+        // The session, not the bake, decides assignments.
+        let assigned = found.assigned(document, &assigned);
+        MaterialsOfLook { materials, added: added.len(), assigned, hidden_ground }
+    }
+}
+
 /// Names the objects of a document without a scene by the session.
-fn name_stand_ins<'a>(document: &mut Document, named: impl Iterator<Item = (u32, &'a String)>) {
+fn name_stand_ins(document: &mut Document, session: &Session) {
     if !document.objects.is_empty() {
         return;
     }
+    let assigned = session.assigned().map(|assignment| (assignment.object, &assignment.name));
+    let named = assigned.chain(session.poses.iter().map(|pose| (pose.object, &pose.name)));
     for (object, name) in named.filter(|(object, _)| *object < MAX_STAND_INS) {
         let count = document.objects.len().max(object as usize + 1);
         document.objects.resize(count, String::new());
@@ -92,26 +133,39 @@ fn take_poses(document: &mut Document, poses: &[SessionPose], ground: Option<u32
     }
 }
 
-/// Applies a session's material assignments. The session has `own_count` materials besides the added ones, and material `i` of the
-/// scene is its `places[i]`. Leaves out objects and materials that the scene no longer has.
-fn take_assignments(
-    document: &mut Document,
-    assigned: &[SessionAssignment],
-    own_count: usize,
-    places: &[Option<usize>],
-) {
-    let own = document.own_materials();
-    let own_index = |index: usize| places.iter().position(|place| *place == Some(index)).filter(|&found| found < own);
-    let index = |index: usize| match index.checked_sub(own_count) {
-        Some(added) => Some(own + added).filter(|&found| found < document.materials.len()),
-        None => own_index(index),
-    };
-    let found = assigned.iter().filter_map(|assignment| {
-        let object = document.object_called(&assignment.name, assignment.object)?;
-        let part = Part { object, material: own_index(assignment.own)? as u32 };
-        Some((part, index(assignment.material)?))
-    });
-    document.assigned = document.assigning(found);
+/// Where the materials of a session are in a document.
+struct Numbers {
+    /// The scene's own in the document, and all.
+    own: usize,
+    all: usize,
+    /// Those in the session that are not added.
+    own_in_session: usize,
+    /// For each of the scene's the one in the session.
+    places: Vec<Option<usize>>,
+}
+
+impl Numbers {
+    /// Material assignments of a session. Leaves out objects and materials that the scene no longer has.
+    fn assigned(&self, document: &Document, assigned: &[SessionAssignment]) -> Assignment {
+        let found = assigned.iter().filter_map(|assignment| {
+            let object = document.object_called(&assignment.name, assignment.object)?;
+            let own = self.of_own(assignment.own)?;
+            let material = self.of(assignment.material).filter(|&material| material != own)?;
+            Some((Part { object, material: own as u32 }, material))
+        });
+        found.collect()
+    }
+
+    fn of(&self, index: usize) -> Option<usize> {
+        match index.checked_sub(self.own_in_session) {
+            Some(added) => Some(self.own + added).filter(|&found| found < self.all),
+            None => self.of_own(index),
+        }
+    }
+
+    fn of_own(&self, index: usize) -> Option<usize> {
+        self.places.iter().position(|place| *place == Some(index)).filter(|&found| found < self.own)
+    }
 }
 
 /// Takes the ground's material from a session's materials, if the scene has no ground.
@@ -126,7 +180,6 @@ fn merged_materials(
     places: &[Option<usize>],
     textures: &mut Textures,
 ) -> Vec<Material> {
-    warn_of_differences(own, session, places, textures.warnings);
     let merge = |(own, place): (&Material, &Option<usize>)| match place {
         // The bake decides which sides reflect.
         Some(i) => Material { double_sided: own.double_sided, ..textures.material(&session[*i]) },
@@ -195,7 +248,7 @@ fn warn_of_differences(
 }
 
 /// The textures of the document so far.
-struct Textures<'a> {
+struct Textures {
     entries: Vec<TextureEntry>,
     /// Number of the scene's textures.
     of_scene: usize,
@@ -203,21 +256,16 @@ struct Textures<'a> {
     stand_ins: HashMap<String, u32>,
     /// Whether the scene's textures are known, so that a missing one deserves a warning.
     scene_known: bool,
-    warnings: &'a mut Vec<String>,
+    warnings: Vec<String>,
 }
 
-impl<'a> Textures<'a> {
+impl Textures {
     /// With the textures of the scene, or, if unknown, stand-ins at the indices that the session names, so that saving it writes
     /// the same.
-    fn new(
-        of_scene: Vec<TextureEntry>,
-        session: &mut Session,
-        scene_known: bool,
-        warnings: &'a mut Vec<String>,
-    ) -> Self {
+    fn new(of_scene: Vec<TextureEntry>, session: &mut Session, scene_known: bool) -> Self {
         let mut entries = of_scene;
         if !scene_known {
-            for slot in session.materials.iter_mut().flat_map(|m| m.maps.slots_mut()) {
+            for slot in session.materials_mut().flat_map(|m| m.maps.slots_mut()) {
                 let Some(TextureSource::Scene { index, name }) = &slot.texture else { continue };
                 if *index < MAX_STAND_INS {
                     let length = entries.len().max(*index as usize + 1);
@@ -227,7 +275,14 @@ impl<'a> Textures<'a> {
             }
         }
         let of_scene = entries.len();
-        Self { entries, of_scene, by_file: HashMap::new(), stand_ins: HashMap::new(), scene_known, warnings }
+        Self {
+            entries,
+            of_scene,
+            by_file: HashMap::new(),
+            stand_ins: HashMap::new(),
+            scene_known,
+            warnings: Vec::new(),
+        }
     }
 
     fn material(&mut self, material: &SessionMaterial) -> Material {

@@ -3,6 +3,7 @@
 mod brdfs;
 mod broken_writes;
 mod damage;
+mod looks;
 
 use super::*;
 use crate::{
@@ -139,7 +140,7 @@ fn assert_same(a: &Document, b: &Document) {
     assert_eq!(a.poses, b.poses);
     assert_eq!((&a.environment, &a.view, &a.bake), (&b.environment, &b.view, &b.bake));
     assert_eq!((&a.lights, a.components, a.solution), (&b.lights, b.components, b.solution));
-    assert_eq!((&a.camera, &a.bookmarks), (&b.camera, &b.bookmarks));
+    assert_eq!((&a.camera, &a.bookmarks, &a.looks), (&b.camera, &b.bookmarks, &b.looks));
     let files = |d: &Document| d.textures.iter().map(|t| (t.texture.name.clone(), t.file.clone())).collect::<Vec<_>>();
     assert_eq!(files(a), files(b));
 }
@@ -228,10 +229,13 @@ fn a_session_finds_parts_by_the_name_of_their_object_and_drops_what_is_not_there
     let moved = [(Part { object: 0, material: 2 }, 3)].into();
     assert_eq!(found(&["pot", "lid"], &|_| ()), moved, "objects and materials in another order");
     assert!(found(&["lid"], &|_| ()).is_empty());
-    assert!(found(&["pot"], &|session| session.assigned[0].material = 4).is_empty());
-    assert!(found(&["pot"], &|session| session.assigned[0].own = 3).is_empty(), "an added one is none of the mesh");
+    assert!(found(&["pot"], &|session| session.materials.assigned[0].material = 4).is_empty());
+    assert!(
+        found(&["pot"], &|session| session.materials.assigned[0].own = 3).is_empty(),
+        "an added one is none of the mesh"
+    );
     let none = project.changed(|json| json["added"] = json!(1_000));
-    assert_eq!(none.session.added, none.session.materials.len());
+    assert_eq!(none.session.materials.added, none.session.materials.materials.len());
 }
 
 #[test]
@@ -371,7 +375,7 @@ fn lights_are_written_as_in_a_lights_file_and_damaged_ones_are_said() {
         json["lights"][2]["target"] = json["lights"][2]["position"].clone();
         json["lights"][3]["kind"] = json!("laser");
     });
-    let lights = loaded.session.lights.as_ref().unwrap();
+    let lights = loaded.session.light.lights.as_ref().unwrap();
     assert_eq!((lights[0].intensity, lights.len()), (Vec3::new(1.0, 0.0, 1.0), 3), "{lights:?}");
     assert!(matches!(lights[1].emission, lapidary_core::lights::Emission::Spot { cone_degrees: 90.0, .. }));
     let said = loaded.warnings.join("\n");

@@ -130,6 +130,28 @@ fn a_region_is_traced_alone() {
 }
 
 #[test]
+fn another_look_is_compared_in_the_same_view() {
+    let mut thread = start();
+    let look = |number: u64, exposure: f32| {
+        let mut look = comparison(ReferenceKind::Samples).look;
+        look.illumination.intensity *= exposure;
+        // Of another place, which the comparison does not take.
+        look.view.camera.eye = Vec3::splat(9.0);
+        ReferenceKind::Look(OtherLook { number, make: Arc::new(move || Ok(look.clone())) })
+    };
+    let mut compared = |number: u64, exposure: f32| {
+        thread.request(comparison(look(number, exposure)));
+        let (test, reference) = pictures(&outcome(&mut thread));
+        compare(&reference.image, &test.image).unwrap().rel_rmse
+    };
+    assert_eq!(compared(1, 1.0), 0.0);
+    assert!((compared(2, 2.0) - 0.5).abs() < 1e-3, "negative control: twice the light");
+    let fails = OtherLook { number: 3, make: Arc::new(|| anyhow::bail!("no such map")) };
+    thread.request(comparison(ReferenceKind::Look(fails)));
+    assert!(failure(&outcome(&mut thread)).contains("no such map"));
+}
+
+#[test]
 fn a_file_is_compared_in_its_own_size_and_a_bad_one_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("truth.exr");

@@ -1,6 +1,6 @@
 //! The thread's work: for each request the picture with cuts, then the reference.
 
-use super::{ComparisonEvent, ComparisonRequest, Control, ReferenceKind, ReferencePicture, TestPicture};
+use super::{ComparisonEvent, ComparisonRequest, Control, OtherLook, ReferenceKind, ReferencePicture, TestPicture};
 use crate::{
     jobs::{Wake, guarded},
     ladder::every_sample,
@@ -90,7 +90,12 @@ impl Worker {
             return Ok(());
         }
         self.tell(number, ComparisonEvent::Test(Arc::new(test)));
-        let Some(image) = loaded else { return self.trace(number, request, &baked, &view) };
+        let other = match &request.kind {
+            ReferenceKind::Look(other) => self.other(number, request, other, &baked, &view)?,
+            _ if request.kind.is_traced() => return self.trace(number, request, &baked, &view),
+            _ => loaded,
+        };
+        let Some(image) = other else { return Ok(()) };
         let reference = ReferencePicture { image: image.into(), step: 1, noise: None, finished: true, seconds: 0.0 };
         self.tell(number, ComparisonEvent::Reference(reference));
         Ok(())
@@ -141,6 +146,24 @@ impl Worker {
             millis: 1e3 * (picture.stats.seconds - waited.as_secs_f64()).max(0.0),
             stats: PictureStats::from(&picture.stats),
         }))
+    }
+
+    /// The view in another look; `None` if superseded.
+    fn other(
+        &mut self,
+        number: u64,
+        request: &ComparisonRequest,
+        other: &OtherLook,
+        baked: &Baked,
+        view: &View,
+    ) -> Result<Option<Image>> {
+        let look = Look { poses: request.look.poses.clone(), view: view.clone(), ..(other.make)()? };
+        let control = self.control.clone();
+        let picture = self.scene_of(baked)?.show(&look, &mut || {
+            control.wait(number);
+            control.wanted() == number
+        })?;
+        Ok(picture.map(|picture| picture.image))
     }
 
     /// The predicted error of the picture, if all its clusters belong to the environment.
@@ -219,7 +242,7 @@ fn comparison_view(request: &ComparisonRequest, loaded: Option<&Image>) -> View 
     let live = &request.look.view;
     View {
         size: loaded.map_or(request.size(), |image| image.size),
-        aa: if loaded.is_some() { live.aa.max(1) } else { 1 },
+        aa: if request.kind.is_traced() { 1 } else { live.aa.max(1) },
         mode: ViewMode::Shaded,
         wireframe: false,
         region: request.region,

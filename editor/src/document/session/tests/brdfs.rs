@@ -42,7 +42,7 @@ fn ward_of_the_first_version_is_ward_duer() {
     let document = project.document();
     assert_eq!(document.materials[1].model, BrdfModel::Ward);
     project.reloaded(&document);
-    let model = || load(&project.file()).unwrap().session.materials[1].model;
+    let model = || load(&project.file()).unwrap().session.materials.materials[1].model;
     assert_eq!(model(), BrdfModel::Ward);
     let text = std::fs::read_to_string(project.file()).unwrap();
     std::fs::write(project.file(), text.replacen("\"lapidary_session\": 2", "\"lapidary_session\": 1", 1)).unwrap();
