@@ -10,7 +10,7 @@ const BAKE: &str = "bake scene.obj -o out/a.cuts --lights 256 --pilot-clusters 1
 /// Each command, and the option by which it goes on.
 const COMMANDS: [(&str, &str); 3] = [
     (BAKE, " --resume"),
-    ("render a.cuts --size 64x48 --out out/a.exr --out out/a.png --stats out/stats.json", ""),
+    ("render a.cuts --size 64x48 --aa 1 --out out/a.exr --out out/a.png --stats out/stats.json", ""),
     ("export a.cuts --mitsuba out --env studio", ""),
 ];
 

@@ -39,8 +39,9 @@ fn picture(folder: &Folder, name: &str) -> Image {
     image::read(&folder.path(name)).expect("a picture")
 }
 
-/// The largest ratio of a channel between two pictures, where it is not black.
+/// The least and the largest ratio of a channel between two pictures, where it is not black.
 fn ratios(a: &Image, b: &Image, channel: usize) -> (f32, f32) {
+    assert!(a.pixels.iter().any(|pixel| pixel[channel] > 0.1), "there is something to see");
     let pairs = a.pixels.iter().zip(&b.pixels).filter(|(a, _)| a[channel] > 1e-3);
     let all = pairs.map(|(a, b)| b[channel] / a[channel]);
     all.fold((f32::MAX, 0.0), |(least, most), ratio| (least.min(ratio), most.max(ratio)))
@@ -70,7 +71,7 @@ fn what_is_not_there_is_told_with_the_remedy() {
     let told = folder.fail("render a.lapidary --look Blue --out a.png");
     assert!(told.contains("no look \"Blue\"; it has \"Dim\", \"Red/1\""), "{told}");
     let told = folder.fail("render a.lapidary --size 32768x8192 --aa 1 --out a.lapidary");
-    assert!(told.contains("a.lapidary"), "no picture: {told}");
+    assert!(told.contains("(a.lapidary)") && told.contains("extension"), "no picture: {told}");
     write(&folder, |session| drop(session.as_object_mut().map(|session| session.remove("looks"))));
     assert_eq!(folder.succeed("looks a.lapidary"), "");
     assert!(folder.fail("render a.lapidary --all --out a.png").contains("has no looks; add one in the window"));

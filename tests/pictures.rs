@@ -44,6 +44,28 @@ fn a_picture_is_close_to_both_references_and_a_turned_one_is_not() {
 }
 
 #[test]
+fn pictures_for_people_have_sixteen_samples_and_those_to_measure_one() {
+    let folder = baked();
+    let picture = |command: &str, options: &str| {
+        // Without the one sample that tests take.
+        let line = format!("{command} {VIEW} {options} --out a.exr");
+        let mut program = std::process::Command::new(crate::common::LAPIDARY);
+        program.args(line.split_whitespace()).current_dir(folder.path(".")).env("XDG_RUNTIME_DIR", folder.path("."));
+        assert!(program.status().expect("it starts").success(), "{line}");
+        image::read(&folder.path("a.exr")).expect("a picture")
+    };
+    for (command, samples) in [
+        ("render a.cuts --backend cpu", 16),
+        ("reference a.cuts --kind path --spp 16", 16),
+        ("reference a.cuts --kind samples", 1),
+    ] {
+        let usual = picture(command, "");
+        assert!(usual == picture(command, &format!("--aa {samples}")), "{command}");
+        assert!(usual != picture(command, &format!("--aa {}", 17 - samples)), "negative control: {command}");
+    }
+}
+
+#[test]
 fn bounds_decide_the_exit_code_and_maps_are_written() {
     let folder = baked();
     for (name, roughness) in [("a", 0.3), ("b", 0.6)] {

@@ -23,17 +23,18 @@ small="--preset draft --lights 2048 --max-vertices 4000 --quiet"
 
 # picture NAME DATASET OPTIONS: on both backends.
 picture() {
-  local name=$1 dataset=$2 backend
+  local name=$1 dataset=$2 backend samples=(--aa 1)
   shift 2
+  [[ " $* " == *" --aa "* ]] && samples=()
   for backend in cpu gpu; do
-    "$lapidary" render "$work/$dataset.cuts" --backend $backend --size 160x120 --quiet --layers all "$@" \
+    "$lapidary" render "$work/$dataset.cuts" --backend $backend --size 160x120 "${samples[@]}" --quiet --layers all "$@" \
       --out "$work/$name-$backend.exr"
   done
 }
 reference() {
   local name=$1 dataset=$2
   shift 2
-  "$lapidary" reference "$work/$dataset.cuts" --size 40x30 --quiet "$@" --out "$work/$name.exr"
+  "$lapidary" reference "$work/$dataset.cuts" --size 40x30 --aa 1 --quiet "$@" --out "$work/$name.exr"
 }
 
 studio="--env data/environments/studio.hdr"

@@ -37,13 +37,12 @@ fn gloss_sees_gloss_as_traced_paths_do() {
     assert!(told.contains("wavelet transport between 5 quads"), "{told}");
     assert!(folder.succeed("info room.cuts").contains("on 5 quads"));
     folder.succeed("verify room.cuts");
-    let measured = |dataset: &str| {
-        let options = "--size 40x40 --spp 1024 --aa 16 --no-samples --out truth --quiet";
-        folder.succeed(&format!("bounces {dataset} {VIEW} --solution wavelet {options}"));
-        let row = folder.json("truth/bounces.json")["solutions"][0].clone();
-        ["error", "energy"].map(|name| row[name].as_f64().expect("a number"))
-    };
-    let [error, energy] = measured("room.cuts");
+    let picture = format!("{VIEW} --size 40x40 --aa 16");
+    folder.succeed(&format!(
+        "bounces room.cuts {picture} --solution wavelet --spp 1024 --no-samples --out truth --quiet"
+    ));
+    let row = folder.json("truth/bounces.json")["solutions"][0].clone();
+    let [error, energy, with_noise] = ["error", "energy", "rel_rmse"].map(|name| row[name].as_f64().expect("a number"));
     assert!(error < 0.1 && (energy - 1.0).abs() < 0.05, "{error} {energy}");
     // Negative control: what is sent is received, and the other way.
     let mut turned = folder.dataset("room.cuts");
@@ -61,8 +60,8 @@ fn gloss_sees_gloss_as_traced_paths_do() {
     let global = GlobalTransport::of(&direct, 1e-4).operator;
     (transport.basis, transport.direct, transport.global) = (basis, direct, global);
     turned.write(&folder.path("turned.cuts")).expect("a writable folder");
-    let [wrong, _] = measured("turned.cuts");
-    assert!(wrong > 2.0 * error, "negative control: {wrong} beside {error}");
+    let wrong = folder.off_from_paths("turned.cuts", "wavelet", &picture);
+    assert!(wrong > 2.0 * with_noise, "negative control: {wrong} beside {with_noise}");
 }
 
 #[test]

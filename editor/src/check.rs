@@ -1,5 +1,6 @@
 //! `lapidary check`: whether all files of a session are there and can be read, without a window.
 
+use crate::document::EnvironmentSettings;
 use crate::document::session::{self, LoadedSession, SessionError, SessionLight};
 use anyhow::{Result, bail};
 use clap::Args;
@@ -58,7 +59,7 @@ pub fn check(file: &Path, options: &ImportOptions) -> Result<Checked, SessionErr
     let mut checked = Checked::default();
     checked.list(&loaded);
     let scene = checked.scene(&loaded, options);
-    checked.environment(&loaded);
+    checked.environments(&loaded);
     let (_, warnings) = loaded.into_document(scene.as_ref());
     checked.problems.extend(warnings);
     Ok(checked)
@@ -104,9 +105,18 @@ impl Checked {
         Some(scene)
     }
 
-    fn environment(&mut self, loaded: &LoadedSession) {
-        let settings = &loaded.session.light.environment;
-        self.kept(environment::from_spec_in(&settings.spec, settings.color_space));
+    /// The environments of the session and its looks, each once.
+    fn environments(&mut self, loaded: &LoadedSession) {
+        let of_looks = loaded.session.looks.iter().filter_map(|look| look.light.as_ref());
+        let mut read = Vec::new();
+        for EnvironmentSettings { spec, color_space, .. } in
+            [&loaded.session.light].into_iter().chain(of_looks).map(|light| &light.environment)
+        {
+            if !read.contains(&(spec, color_space)) {
+                read.push((spec, color_space));
+                self.kept(environment::from_spec_in(spec, *color_space));
+            }
+        }
     }
 
     fn kept<T>(&mut self, read: Result<T, impl std::fmt::Display>) -> Option<T> {

@@ -34,7 +34,7 @@ With your own scene:
       traces some vertices again and compares
   lapidary check look.lapidary
       checks that all files of a session can be read
-  lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png --out sky.exr
+  lapidary render scene.cuts --env sky.hdr --rotate 30 --out sky.png
       relights it by any environment at any rotation, without a new bake
   lapidary render car.lapidary --all --out pictures/car.png
       renders all looks of a session
@@ -42,8 +42,9 @@ With your own scene:
       gives the whole scene another material
   lapidary render scene.cuts --lights lamps.json --out night.png
       lights it by local lights: {\"lights\": [{\"kind\": \"point\", \"position\": [0, 2, 0], \"intensity\": [9, 8, 6]}]}
-  lapidary reference scene.cuts --env sky.hdr --rotate 30 --out truth.exr
-      renders the same picture by ray tracing, as a reference
+  lapidary render scene.cuts --env sky.hdr --rotate 30 --aa 1 --out sky.exr
+  lapidary reference scene.cuts --env sky.hdr --rotate 30 --aa 1 --out truth.exr
+      renders the same picture by ray tracing, as a reference, both at the centers of the pixels
   lapidary compare sky.exr truth.exr --map rel --out error.png
       measures the error and draws it as a map
   lapidary ladder scene.cuts --env sky.hdr --size 160x120 --out ladder
@@ -62,7 +63,7 @@ Exit codes:
 #[derive(Parser)]
 #[command(name = "lapidary", version, about = ABOUT, after_help = TUTORIAL, max_term_width = 110)]
 pub struct Cli {
-    /// Print no progress, warnings, notes or summaries; errors and the output of `info`, `verify` and `check` are
+    /// Print no progress, warnings, notes or summaries; errors and the output of `info`, `verify`, `check` and `looks` are
     /// still printed
     #[arg(long, global = true)]
     pub quiet: bool,
@@ -121,7 +122,7 @@ Examples:
     Edit(EditArgs),
     /// Check that all files that a session names are there and can be read
     #[command(after_help = "\
-It lists scene, dataset, environment, textures, lights, materials and bookmarks, and reports what is missing or damaged. It
+It lists scene, dataset, environment, textures, lights, materials, bookmarks and looks, and reports what is missing or damaged. It
 opens no window. It fails (exit code 1) if there is a problem.
 
 Example:
@@ -171,13 +172,14 @@ mod tests {
 
     #[test]
     fn options_are_consistent_and_every_one_is_explained() {
-        let mut command = <Cli as CommandFactory>::command();
-        command.build();
-        command.clone().debug_assert();
-        for command in command.get_subcommands().filter(|c| c.get_name() != "help") {
-            let undocumented = command.get_arguments().filter(|a| a.get_help().is_none());
-            let names: Vec<_> = undocumented.map(|a| a.get_id().to_string()).collect();
-            assert!(names.is_empty(), "{}: {names:?}", command.get_name());
+        for mut command in [<Cli as CommandFactory>::command(), <SessionCli as CommandFactory>::command()] {
+            command.build();
+            command.clone().debug_assert();
+            for command in command.get_subcommands().filter(|c| c.get_name() != "help") {
+                let undocumented = command.get_arguments().filter(|a| a.get_help().is_none());
+                let names: Vec<_> = undocumented.map(|a| a.get_id().to_string()).collect();
+                assert!(names.is_empty(), "{}: {names:?}", command.get_name());
+            }
         }
     }
 }

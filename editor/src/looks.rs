@@ -5,7 +5,7 @@ mod panel;
 mod picture;
 mod thumbnails;
 
-pub use command::with_name;
+pub use command::file_name;
 pub use panel::{LooksContext, LooksPanel, show};
 pub use picture::{Maps, PictureOfDocument};
 

@@ -12,6 +12,7 @@ mod eye;
 mod layers;
 mod layout;
 mod texture;
+mod typed;
 pub mod units;
 
 pub use color::{color_row, display_color};
@@ -20,6 +21,7 @@ pub use eye::eye;
 pub use layers::Layers;
 pub use layout::{RowName, row, row_of};
 pub use texture::texture_of;
+pub use typed::{Typing, typed};
 
 use egui::{
     CollapsingHeader, DragValue, Id, InnerResponse, Label, Response, RichText, Slider, Stroke, TextStyle, Ui,
@@ -176,7 +178,8 @@ fn number_entry(ui: &mut Ui, number: &Number, value: &mut f32) -> Response {
         .suffix(number.unit)
         .min_size(number_size(ui))
         .update_while_editing(false);
-    ui.add(entry)
+    let [low, high] = [number.entry.start(), number.entry.end()].map(|&bound| f64::from(bound));
+    typed(ui, entry, &Typing { unit: number.unit, range: Some(low..=high), size: None })
 }
 
 /// Width in points of the column of sliders: the rest beside the column of numbers.

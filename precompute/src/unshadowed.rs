@@ -4,7 +4,7 @@
 use crate::vertices::sidedness::classify;
 use lapidary_core::{
     cut::packed::{PackedCuts, pack_node},
-    dataset::{BakeReport, BakeSettings, Dataset},
+    dataset::{BakeParts, BakeReport, BakeSettings, Dataset},
     ground::{Ground, add_ground},
     light_tree::{LightTree, TreeKind},
     scene::Scene,
@@ -13,8 +13,11 @@ use lapidary_core::{
 /// Number of lights: light without shadows is smooth.
 const LIGHTS: usize = 256;
 
-/// The dataset of a scene as imported, over a ground of this kind, without occlusion. It takes milliseconds.
-pub fn unshadowed(mut scene: Scene, scene_hash: String, ground: Ground) -> Dataset {
+/// The dataset of a scene as imported, without occlusion, on the ground of a bake with these settings and in its environment, if it has
+/// one. It takes milliseconds.
+pub fn unshadowed(mut scene: Scene, scene_hash: String, baked: &BakeSettings) -> Dataset {
+    let ground = baked.ground;
+    let mode = if baked.mode.environment() { BakeParts::ENVIRONMENT } else { BakeParts::NONE };
     let source_vertices = scene.mesh.positions.len();
     if ground != Ground::Off {
         add_ground(&mut scene);
@@ -33,7 +36,7 @@ pub fn unshadowed(mut scene: Scene, scene_hash: String, ground: Ground) -> Datas
         meshless: None,
         object_bases: None,
         wavelet: None,
-        settings: BakeSettings { lights: LIGHTS, tree, ground, max_vertices: None, ..BakeSettings::default() },
+        settings: BakeSettings { mode, lights: LIGHTS, tree, ground, max_vertices: None, ..BakeSettings::default() },
         scene_hash,
         report: BakeReport { vertices, triangles, source_vertices, lights: LIGHTS, tree, ..BakeReport::default() },
         scene,
@@ -51,8 +54,13 @@ mod tests {
     fn it_is_a_valid_dataset_whose_vertices_see_everything() {
         let scene = scene_of(&room(Vec3::ZERO, Vec3::ONE));
         let vertices = scene.mesh.positions.len();
-        let dataset = unshadowed(scene.clone(), scene_hash(&scene), Ground::Off);
+        let baked = |mode| BakeSettings { mode, ..BakeSettings::default() };
+        let dataset = unshadowed(scene.clone(), scene_hash(&scene), &baked(BakeParts::CUTS));
         dataset.validate().unwrap();
+        assert_eq!(dataset.settings.mode, BakeParts::ENVIRONMENT);
+        let dark = unshadowed(scene.clone(), scene_hash(&scene), &baked(BakeParts::INDIRECT));
+        dark.validate().unwrap();
+        assert!(!dark.settings.mode.environment(), "as the bake will be");
         assert_eq!((dataset.scene_hash, dataset.scene.mesh.positions.len()), (scene_hash(&scene), vertices));
         for vertex in 0..vertices as u32 {
             assert_eq!(dataset.cuts.cut(8, vertex), [pack_node(0, 1.0)]);

@@ -113,7 +113,7 @@ impl Warning {
             ),
             Self::OpenViewpoint { viewpoint: Vec3 { x, y, z }, open } => format!(
                 "{:.0} % of the directions around the viewpoint ({x:.2}, {y:.2}, {z:.2}) meet no surface, so most bounced \
-                 light leaves the scene; if there is a closed space that should be lit, give a place in it as {}",
+                 light leaves the scene; if a closed space should be lit, choose a viewpoint inside it ({})",
                 100.0 * open,
                 name(Setting::Viewpoint)
             ),

@@ -15,4 +15,4 @@ pub use outside::OutsideArgs;
 pub use picture::PictureArgs;
 pub use pose::{MotionArgs, PoseArgs};
 pub use shot::ShotOption;
-pub use view::{ViewArgs, ViewedScene, check_memory, replace_materials};
+pub use view::{SMOOTH, ViewArgs, ViewedScene, check_memory, replace_materials};

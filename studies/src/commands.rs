@@ -93,7 +93,10 @@ Examples:
   lapidary render scene.cuts --env studio --base-color 0.9,0.6,0.3 --metalness 1 --stats stats.json
   lapidary render scene.cuts --lights lamps.json --out lamps.png
   lapidary render scene.cuts --lights lamps.json --env sky.hdr --components direct --out only-lamps.exr
-  lapidary render scene.cuts --env sky.hdr --out layers.exr --layers environment,normal,depth")]
+  lapidary render scene.cuts --env sky.hdr --out layers.exr --layers environment,normal,depth
+
+A session has its own light, materials, camera and looks: lapidary render look.lapidary [--look NAME | --all] --out FILE.
+`lapidary render look.lapidary --help` explains its options.")]
     Render(RenderArgs),
     /// Render turntables, parameter sweeps and animations as image sequences
     #[command(after_help = "\

@@ -100,7 +100,7 @@ def build(folder, environment, turn_degrees, seen=False):
 
 
 def settings(scene, width, height):
-    """Direct light alone, unclamped, one place in a pixel as `lapidary render` has it, on the CPU."""
+    """Direct light alone, unclamped, one place in a pixel as `lapidary render --aa 1` has it, on the CPU."""
     scene.render.engine = "CYCLES"
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100

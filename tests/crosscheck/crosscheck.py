@@ -100,7 +100,7 @@ class Bench:
                 at = arguments.index(name)
                 arguments[at + 1] = value
             self.run(
-                "reference", *arguments, "--kind", "path", "--bounces", bounces, "--places", "shifted",
+                "reference", *arguments, "--aa", "1", "--kind", "path", "--bounces", bounces, "--places", "shifted",
                 "--spp", spp, "--seed", seed, "--no-mirrors", "--out", path,
             )
             pictures.append(self.picture(path))

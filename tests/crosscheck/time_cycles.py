@@ -84,13 +84,13 @@ class Lapidary:
         path = self.args.out / f"lapidary-reference-{seed}.exr"
         if not path.exists():
             spp = samples(self.args.reference_spp, seed)
-            self.run("reference", *self.view, "--kind", "path", "--spp", spp, "--seed", seed, "--out", path)
+            self.run("reference", *self.view, "--aa", "1", "--kind", "path", "--spp", spp, "--seed", seed, "--out", path)
         return path
 
     def frame(self):
         """Picture, median of its seconds, and seconds of the processor: what more frames take more."""
         path = self.args.out / "lapidary.exr"
-        self.run("render", *self.view, "--backend", "cpu", "--components", "environment", "--out", path)
+        self.run("render", *self.view, "--aa", "1", "--backend", "cpu", "--components", "environment", "--out", path)
         few, many = self.bench(1), self.bench(1 + MORE_FRAMES)
         return path, many[0], (many[1] - few[1]) / MORE_FRAMES
 

@@ -26,6 +26,7 @@ impl EditorState {
         let laid = layout::show(ui, self, &mut actions);
         self.take_drops(&ctx, &laid, &mut actions);
         self.show_dialog(&ctx, &mut actions);
+        self.looks.collect(&ctx, &self.work.document, self.work.scene.rendered());
         self.ladder.collect(&ctx);
         self.hold_for_ladder();
         self.ladder.show(&ctx, &self.work, &mut actions);

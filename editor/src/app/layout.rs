@@ -159,10 +159,13 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
         Side::Looks => {
             let context = LooksContext {
                 document: &state.work.document,
-                shown: state.shown_document(state.work.viewport_size),
+                shown: state.work.scene.rendered().map(|baked| (baked, state.pose.poses_since(&state.work, baked))),
+                size: state.work.viewport_size,
                 factory: &state.work.factory,
                 wake: &state.work.wake,
-                is_calm: !ui.ctx().input(|input| input.pointer.any_down()),
+                is_calm: !ui.ctx().input(|input| input.pointer.any_down())
+                    && !state.pose.timeline.playing
+                    && !state.ladder.is_climbing(),
             };
             scrolled(ui, |ui| looks::show(ui, &mut state.looks, &context, actions));
         }

@@ -43,7 +43,6 @@ impl EditorState {
             Action::Light(action) => self.lights.perform(&mut self.work, action),
             Action::Environment(action) => self.environments.perform(&mut self.work, action),
             Action::Bake(action) => self.baking.perform(&mut self.work, action),
-            Action::Compare(CompareAction::Look(look)) => self.compare_with_look(look),
             Action::Compare(action) => self.comparison.perform(&mut self.work, &self.picture, action),
             Action::ExplainPixel(pixel) => self.explain.explain(&self.work, &self.picture, pixel),
             Action::Ladder(action) => {
@@ -88,16 +87,13 @@ impl EditorState {
         match action {
             LookAction::Show(look) => {
                 let actions = show_look(&self.work.document, look, LookPart::All);
+                if actions.is_empty() {
+                    self.work.messages.remark(format!("There is no look {}", look + 1));
+                }
                 actions.into_iter().for_each(|action| self.perform(ctx, action));
             }
             LookAction::Describe => self.describe_pictures(),
         }
-    }
-
-    fn compare_with_look(&mut self, look: usize) {
-        let Some(named) = self.work.document.looks.get(look).cloned() else { return };
-        let Some(shown) = self.shown_document(self.work.viewport_size) else { return };
-        self.comparison.compare_with_look(&named.name, shown.with_look(&named.state));
     }
 
     /// Opens the dialog for pictures of looks.
@@ -178,8 +174,11 @@ impl EditorState {
             }
             Command::Look(look) => Action::Look(LookAction::Show(look)),
             Command::AddLook => {
-                self.work.tabs.side = Side::Looks;
-                actions.extend(add_look(&self.work.document));
+                if self.work.scene.rendered().is_some() {
+                    self.work.tabs.side = Side::Looks;
+                    self.work.messages.remark(format!("Added: {}", self.work.document.free_look_name()));
+                    actions.extend(add_look(&self.work.document));
+                }
                 return;
             }
             Command::Play => Action::Pose(PoseAction::Play),

@@ -8,6 +8,7 @@ use crate::{
     actions::Action,
     document::{Edit, ViewSettings},
     viewport::gizmo::Tool,
+    widgets::{Typing, typed},
 };
 use egui::{Button, ComboBox, DragValue, TextStyle, Ui};
 use lapidary_render::{ToneMap, ViewMode};
@@ -71,8 +72,9 @@ fn view_tools(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     ui.style_mut().drag_value_text_style = TextStyle::Monospace;
     let exposure =
         DragValue::new(&mut new.post.exposure).range(-30.0..=30.0).speed(0.02).fixed_decimals(2).suffix(" EV");
-    let response =
-        ui.add(exposure).accessible_name("Exposure tool").on_hover_text("Exposure in stops. Drag, or click and type");
+    let response = typed(ui, exposure, &Typing { unit: " EV", range: Some(-30.0..=30.0), size: None })
+        .accessible_name("Exposure tool")
+        .on_hover_text("Exposure in stops. Drag, or click and type");
     push(actions, view, &new, "Exposure", response.drag_stopped() || response.lost_focus());
 
     let mut new = view.clone();

@@ -90,7 +90,7 @@ impl Baking {
 fn show_baked(work: &mut Workspace, baked: Baked, is_draft: bool) {
     // The scene may have changed during its bake.
     let changed = work.scene.source.as_ref().filter(|source| source.hash != baked.dataset.scene_hash);
-    let preview = changed.map(|source| source.unshadowed(work.document.bake.ground));
+    let preview = changed.map(|source| source.unshadowed(&work.document.bake));
     work.take_materials_of(&preview.as_ref().unwrap_or(&baked).dataset);
     // The picture needs the hierarchies at once, at full priority.
     baked.begin();

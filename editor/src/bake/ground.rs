@@ -21,8 +21,10 @@ impl Baking {
             self.wants_ground = false;
             return self.bake_ground(work);
         }
-        if !work.scene.preview.as_ref().is_some_and(suits) {
-            let preview = source.unshadowed(ground);
+        let is_lit_alike =
+            |preview: &Baked| preview.dataset.settings.mode.environment() == work.document.bake.mode.environment();
+        if !work.scene.preview.as_ref().is_some_and(|preview| suits(preview) && is_lit_alike(preview)) {
+            let preview = source.unshadowed(&work.document.bake);
             work.take_materials_of(&preview.dataset);
             work.scene.preview = Some(preview);
             self.wants_ground = is_current && work.preferences.bakes_scenes;

@@ -151,7 +151,7 @@ pub fn count(n: usize) -> String {
 /// Share of the lights or sources that following boundaries has missed.
 fn missed(audit: &BakeAudit, leaves: &str) -> String {
     match audit.leaves_per_probe {
-        1 => "none, all traced".into(),
+        1 => format!("none: all {leaves} were traced"),
         _ => format!("{:.3} % of {leaves}", 100.0 * audit.leaves_wrong),
     }
 }

@@ -1,13 +1,20 @@
 //! Follows the picture: the comparison restarts for another picture, and measures again when only the display changes.
 
-use super::{panel::KindChoice, state::Comparison};
+use super::{
+    panel::KindChoice,
+    state::{Comparison, Followed},
+};
 use crate::{
     actions::CompareAction,
+    document::looks::LookState,
     looks::{Maps, PictureOfDocument},
     picture::Picture,
     workspace::Workspace,
 };
+use anyhow::Result;
 use egui::Context;
+use lapidary_core::scene::pose::Poses;
+use lapidary_render::{Baked, Look};
 use lapidary_studies::jobs::comparison::{ComparisonEvent, OtherLook};
 use std::{
     path::PathBuf,
@@ -21,13 +28,15 @@ impl Comparison {
             CompareAction::Toggle => self.toggle(work, picture),
             CompareAction::Reference(Some(path)) => self.choose_reference(path),
             CompareAction::Pause(paused) => self.pause(paused),
-            // The path is asked for first, and looks need the picture.
-            CompareAction::Reference(None) | CompareAction::Look(_) => {}
+            CompareAction::Look(look) => self.choose_look(work, look),
+            // The path is asked for first.
+            CompareAction::Reference(None) => {}
         }
     }
 
     /// Compares the picture requested last, once nothing moves.
     pub fn follow(&mut self, work: &Workspace, picture: &Picture) {
+        self.follow_look(work);
         let panel = &self.panel;
         if !panel.open || work.scene.rendered().is_none() {
             return self.end();
@@ -74,22 +83,29 @@ impl Comparison {
         (panel.open, panel.tool) = (!panel.open, None);
     }
 
-    /// Compares with a look from now on, made by this picture of it.
-    pub fn compare_with_look(&mut self, name: &str, picture: PictureOfDocument) {
-        self.looks_asked += 1;
-        let made = Mutex::new(None);
-        // It is made once, also when the camera moves.
-        let make = move || {
-            let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-            let look = made.take().map_or_else(|| picture.look(&mut Maps::default()), Ok)?;
-            Ok(made.insert(look).clone())
-        };
-        let look = OtherLook { number: self.looks_asked, make: Arc::new(make) };
+    /// Compares with a look of the document from now on.
+    fn choose_look(&mut self, work: &Workspace, look: usize) {
+        let Some(look) = work.document.looks.get(look) else { return };
         let panel = &mut self.panel;
-        // Both are by cuts, and as fast as the live picture.
-        (panel.open, panel.kind, panel.scale) = (true, KindChoice::Look, 1);
-        panel.look = Some((name.into(), look));
+        (panel.open, panel.kind, panel.look) = (true, KindChoice::Look, Some((look.name.clone(), None)));
         self.end();
+    }
+
+    /// Takes the chosen look as it is now, of the shown bake. One that is gone is compared with no more.
+    fn follow_look(&mut self, work: &Workspace) {
+        let panel = &mut self.panel;
+        let Some((name, made)) = panel.look.as_mut().filter(|_| panel.kind == KindChoice::Look) else { return };
+        let Some((look, baked)) = work.document.look(name).zip(work.scene.rendered()) else {
+            (panel.kind, panel.look) = (KindChoice::default(), None);
+            return;
+        };
+        let is_it = |known: &Followed| known.state == look.state && known.baked.is_same(baked);
+        if made.is_some() && self.followed.as_ref().is_some_and(is_it) {
+            return;
+        }
+        self.looks_asked += 1;
+        *made = Some(OtherLook { number: self.looks_asked, make: made_once(work, baked, &look.state) });
+        self.followed = Some(Followed { state: look.state.clone(), baked: baked.clone() });
     }
 
     /// Compares with a picture file from now on.
@@ -99,4 +115,17 @@ impl Comparison {
         // The same file may have been written again.
         self.end();
     }
+}
+
+/// Makes what renderers show of a look when it is first asked for, and keeps it, also when the camera moves.
+fn made_once(work: &Workspace, baked: &Baked, look: &LookState) -> Arc<dyn Fn() -> Result<Look> + Send + Sync> {
+    // View and poses are those of the picture.
+    let (poses, size) = (Poses::default(), work.viewport_size);
+    let shown = PictureOfDocument { document: work.document.clone(), baked: baked.clone(), poses, size, aa: None };
+    let (picture, made) = (shown.with_look(look), Mutex::new(None));
+    Arc::new(move || {
+        let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+        let look = made.take().map_or_else(|| picture.look(&mut Maps::default()), Ok)?;
+        Ok(made.insert(look).clone())
+    })
 }

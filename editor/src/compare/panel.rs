@@ -66,8 +66,8 @@ pub struct ComparisonPanel {
     pub spp: u32,
     /// The picture file.
     pub file: Option<PathBuf>,
-    /// The other look, and its name.
-    pub look: Option<(String, OtherLook)>,
+    /// The name of the other look, and the look as it is now.
+    pub look: Option<(String, Option<OtherLook>)>,
     /// See [`ComparisonRequest::scale`].
     pub scale: u32,
     /// How both are shown.
@@ -123,7 +123,7 @@ impl ComparisonPanel {
             KindChoice::Samples => ReferenceKind::Samples,
             KindChoice::Paths => ReferenceKind::Paths { spp: self.spp },
             KindChoice::File => ReferenceKind::File(self.file.clone()?),
-            KindChoice::Look => ReferenceKind::Look(self.look.as_ref()?.1.clone()),
+            KindChoice::Look => ReferenceKind::Look(self.look.as_ref()?.1.clone()?),
         };
         match kind {
             ReferenceKind::Samples | ReferenceKind::Paths { .. } => look.view.aa = 1,
@@ -131,7 +131,9 @@ impl ComparisonPanel {
             ReferenceKind::Look(_) => look.view.aa = look.view.aa.min(SAMPLES_OF_LOOKS),
             ReferenceKind::File(_) => {}
         }
-        let mut request = ComparisonRequest { baked, look, kind, scale: self.scale, region: None };
+        // Two looks are by cuts, and as fast as the live picture.
+        let scale = if self.kind == KindChoice::Look { 1 } else { self.scale };
+        let mut request = ComparisonRequest { baked, look, kind, scale, region: None };
         if self.kind != KindChoice::File {
             request.region = self.region_of(request.size());
         }
@@ -164,6 +166,18 @@ impl ComparisonPanel {
         Region { x, y, width, height }.within(size)
     }
 
+    /// Label in place of a reference that is not there yet.
+    pub fn waiting_label(&self) -> &'static str {
+        match self.kind {
+            KindChoice::Look => "B: the look is being rendered",
+            _ => "B: the reference is being traced",
+        }
+    }
+
+    fn look_name(&self) -> &str {
+        self.look.as_ref().map_or("no look", |(name, _)| name)
+    }
+
     /// Label of the picture.
     pub fn picture_label(&self, cuts: Cuts) -> String {
         match cuts.size() {
@@ -184,20 +198,6 @@ impl ComparisonPanel {
             KindChoice::File => format!("B: {}", file_name(self.file.as_deref())),
             KindChoice::Look => format!("B: {}", self.look_name()),
         }
-    }
-}
-
-impl ComparisonPanel {
-    /// Label in place of a reference that is not there yet.
-    pub fn waiting_label(&self) -> &'static str {
-        match self.kind {
-            KindChoice::Look => "B: the look is being rendered",
-            _ => "B: the reference is being traced",
-        }
-    }
-
-    fn look_name(&self) -> &str {
-        self.look.as_ref().map_or("no look", |(name, _)| name)
     }
 }
 
@@ -306,6 +306,9 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
         ui.add(spp)
             .accessible_name("Paths per pixel")
             .on_hover_text("Light paths per pixel: four times as many halve the noise");
+    }
+    if panel.kind == KindChoice::Look {
+        return;
     }
     let size = SCALES.iter().find(|s| s.0 == panel.scale).map_or("", |s| s.1);
     let combo = ComboBox::from_id_salt("comparison size").width(80.0).selected_text(size).show_ui(ui, |ui| {

@@ -1,10 +1,10 @@
 //! The comparison with a reference: its threads, their results, and their last requests.
 
 use super::panel::{self, ComparisonContext, ComparisonPanel};
-use crate::{actions::Action, viewport::compare::Compared, widgets::texture_of};
+use crate::{actions::Action, document::looks::LookState, viewport::compare::Compared, widgets::texture_of};
 use egui::{Color32, Context, TextureHandle, TextureOptions, Ui};
 use lapidary_core::image::Region;
-use lapidary_render::{BackendFactory, Post};
+use lapidary_render::{BackendFactory, Baked, Post};
 use lapidary_studies::{
     jobs::{
         Wake,
@@ -32,6 +32,12 @@ pub struct Asked {
     pub post: Post,
 }
 
+/// A look, and the bake in which it is shown.
+pub struct Followed {
+    pub state: LookState,
+    pub baked: Baked,
+}
+
 /// State of the comparison: pictures, measures, textures.
 pub struct Comparison {
     /// The strip under the viewport.
@@ -49,6 +55,8 @@ pub struct Comparison {
     pub measure_problem: Option<String>,
     /// Counts looks that were compared with, to tell them apart.
     pub looks_asked: u64,
+    /// The look that is compared with.
+    pub followed: Option<Followed>,
     /// Counts comparisons, to drop measures of earlier ones.
     pub generation: u64,
     pub asked: Option<Asked>,
@@ -71,6 +79,7 @@ impl Comparison {
             trace_problem: None,
             measure_problem: None,
             looks_asked: 0,
+            followed: None,
             generation: 0,
             asked: None,
             shown: None,
@@ -143,7 +152,7 @@ impl Comparison {
 
     /// Nothing is compared any more.
     pub fn end(&mut self) {
-        self.jobs = None;
+        (self.jobs, self.followed) = (None, None);
         self.forget();
     }
 

@@ -4,7 +4,7 @@ use super::{Document, Edit, objects::ObjectNumbers, parts::Renumbering};
 use lapidary_core::material::Material;
 use std::collections::VecDeque;
 
-/// Most steps, more than anyone undoes by hand; the oldest is removed first. A step holds one value, at most some kB.
+/// Most steps, more than anyone undoes by hand; the oldest is removed first. A step holds one value: some kB, or all looks.
 const DEPTH: usize = 1000;
 
 /// The edits of a document in their order, and where in it the document was saved.

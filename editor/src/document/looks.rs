@@ -70,21 +70,6 @@ pub enum LookPart {
     Camera,
 }
 
-impl LookPart {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::All, Self::Materials, Self::Light, Self::Camera];
-
-    /// Its label.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::All => "Everything",
-            Self::Materials => "Materials",
-            Self::Light => "Light",
-            Self::Camera => "Camera",
-        }
-    }
-}
-
 impl LookState {
     /// All that a document shows.
     pub fn of(document: &Document) -> Self {
@@ -117,11 +102,16 @@ impl LookState {
 
     /// Whether a document shows anything else.
     pub fn differs(&self, document: &Document) -> bool {
-        let Self { materials, light, camera, view } = self;
-        materials.as_ref().is_some_and(|materials| *materials != MaterialsOfLook::of(document))
-            || light.as_ref().is_some_and(|light| *light != LightOfLook::of(document))
+        let Self { camera, view, .. } = self;
+        !self.has_materials_and_light_of(document)
             || camera.as_ref().is_some_and(|camera| *camera != document.camera)
             || view.as_ref().is_some_and(|view| *view != document.view)
+    }
+
+    /// Whether a document has its materials and its light.
+    pub fn has_materials_and_light_of(&self, document: &Document) -> bool {
+        self.materials.as_ref().is_none_or(|materials| materials.is_that_of(document))
+            && self.light.as_ref().is_none_or(|light| light.is_that_of(document))
     }
 
     /// Its materials, each with its index.
@@ -156,6 +146,14 @@ impl MaterialsOfLook {
         swap(&mut self.hidden_ground, &mut document.hidden_ground);
     }
 
+    fn is_that_of(&self, document: &Document) -> bool {
+        let Self { materials, added, assigned, hidden_ground } = self;
+        *materials == document.materials
+            && *added == document.added
+            && *assigned == document.assigned
+            && *hidden_ground == document.hidden_ground
+    }
+
     fn renumber(&mut self, renumbering: &Renumbering, now: &[Material]) {
         let Renumbering { before, after } = *renumbering;
         let added = self.materials.split_off(before.count.min(self.materials.len()));
@@ -183,6 +181,14 @@ impl LightOfLook {
         let Document { environment, lights, components, solution, .. } = document;
         let (environment, lights) = (environment.clone(), lights.clone());
         Self { environment, lights, components: *components, solution: *solution }
+    }
+
+    fn is_that_of(&self, document: &Document) -> bool {
+        let Self { environment, lights, components, solution } = self;
+        *environment == document.environment
+            && *lights == document.lights
+            && *components == document.components
+            && *solution == document.solution
     }
 
     fn swap(&mut self, document: &mut Document) {

@@ -2,7 +2,8 @@
 //!
 //! `{"lapidary_session": 2, "scene", "dataset", "materials", "added", "assigned", "environment", "lights", "components",
 //! "solution", "camera", "bookmarks", "looks", "view", "bake"}`; the lights are those of a lights file, and each of the looks has a
-//! name and any of the keys from "materials" to "camera" and "view". Paths are relative to the file, angles in degrees. Reading is lenient: invalid values are replaced with a warning, unknown keys are kept and written back
+//! name and what it keeps: the keys of materials ("materials", "added", "assigned"), those of light ("environment", "lights",
+//! "components", "solution"), "camera" and "view". Paths are relative to the file, angles in degrees. Reading is lenient: invalid values are replaced with a warning, unknown keys are kept and written back
 //! ([`Unknown`]), missing files are listed and can be searched for ([`LoadedSession::relink`]). Only a newer version or damaged
 //! JSON is refused.
 

@@ -115,7 +115,7 @@ fn cuts(ui: &mut Ui, explanation: &PixelExplanation) {
         rows.push((light.into(), nodes(explanation.illumination_nodes)));
     }
     let dark = grouped(explanation.dark_nodes.len() as u64);
-    rows.push(("Merged".into(), format!("{}, {dark} in the dark", nodes(explanation.merged_nodes as usize))));
+    rows.push(("Merged".into(), format!("{}, {dark} of them unlit", nodes(explanation.merged_nodes as usize))));
     rows.push(("Evaluated".into(), nodes(explanation.nodes.len())));
     let whole = luminance(explanation.radiance).max(f32::MIN_POSITIVE);
     for sun in &explanation.suns {

@@ -3,18 +3,22 @@
 use super::dialog::duration;
 use crate::{
     document::looks::LookState,
-    looks::{Maps, PictureOfDocument, with_name},
+    looks::{Maps, PictureOfDocument, file_name},
     widgets::{check_box, copyable},
 };
 use anyhow::{Result, bail};
 use egui::{Button, Context, DragValue, Grid, Modal, RichText, ScrollArea, TextEdit, Ui};
+use lapidary_core::names::told_apart;
 use lapidary_studies::{
     args::check_memory,
     export::LayerList,
     jobs::export::{ExportTask, PictureTask},
     outputs::CommandFiles,
 };
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, PoisonError},
+};
 
 /// Width of the dialog in points.
 const WIDTH: f32 = 460.0;
@@ -36,6 +40,8 @@ pub struct PicturesDialog {
     png: bool,
     exr: bool,
     layers: bool,
+    /// Whether files that exist are written anew.
+    replaces: bool,
     /// Folder of the pictures.
     pub folder: String,
     name: String,
@@ -65,6 +71,7 @@ impl PicturesDialog {
             png: true,
             exr: false,
             layers: false,
+            replaces: false,
             folder: folder.display().to_string(),
             name: name.into(),
             problem: None,
@@ -87,28 +94,48 @@ impl PicturesDialog {
         }
         let layers = (self.exr && self.layers).then_some(LayerList::All);
         check_memory(self.size, 1 + layers.as_ref().map_or(0, LayerList::most))?;
-        let picture = |index: usize, name: &String| {
-            let look = index.checked_sub(1).and_then(|index| shown.document.looks.get(index)).map(|look| &look.state);
-            let path = |format: &&str| with_name(&folder.join(format!("{}.{format}", self.name.trim())), name);
-            self.picture(shown, look, formats.iter().map(path).collect())
-        };
-        let chosen = self.chosen.iter().enumerate().filter(|(_, (_, wanted))| *wanted);
-        let pictures: Vec<PictureTask> = chosen.map(|(index, (name, _))| picture(index, name)).collect();
+        if self.name.contains(['/', '\\']) {
+            bail!("the name \"{}\" is that of another folder; choose that folder", self.name);
+        }
+        let (names, maps) = (file_names(self.chosen.iter().map(|(name, _)| name)), Arc::default());
+        let mut pictures = Vec::new();
+        for (index, (look, _)) in self.chosen.iter().enumerate().filter(|(_, (_, wanted))| *wanted) {
+            let state = match shown.document.look(look) {
+                _ if index == 0 => None,
+                Some(look) => Some(&look.state),
+                None => bail!("the look \"{look}\" is gone; open the dialog again"),
+            };
+            let path = |format: &&str| folder.join(format!("{}-{}.{format}", self.name.trim(), names[index]));
+            pictures.push(self.picture(shown, state, formats.iter().map(path).collect(), &maps));
+        }
         if pictures.is_empty() {
             bail!("no look is chosen");
         }
-        let files = CommandFiles::default().writes(pictures.iter().flat_map(|picture| picture.paths.clone()));
-        Ok((ExportTask::Pictures(pictures), files))
+        let paths: Vec<PathBuf> = pictures.iter().flat_map(|picture| picture.paths.clone()).collect();
+        let there = paths.iter().filter(|path| path.exists()).count();
+        if there > 0 && !self.replaces {
+            bail!("{there} of the files exist already; tick \"Replace existing\", or choose another name or folder");
+        }
+        Ok((ExportTask::Pictures(pictures), CommandFiles::default().writes(paths)))
     }
 
-    fn picture(&self, shown: &PictureOfDocument, look: Option<&LookState>, paths: Vec<PathBuf>) -> PictureTask {
+    /// A picture of a look, or of what is shown.
+    fn picture(
+        &self,
+        shown: &PictureOfDocument,
+        look: Option<&LookState>,
+        paths: Vec<PathBuf>,
+        maps: &Arc<Mutex<Maps>>,
+    ) -> PictureTask {
         let shown = PictureOfDocument { size: self.size, aa: Some(self.samples), ..shown.clone() };
         let picture = match look {
             Some(look) => shown.with_look(look),
             None => shown,
         };
         let layers = (self.exr && self.layers).then_some(LayerList::All);
-        PictureTask { look: Box::new(move || picture.look(&mut Maps::default())), layers, paths }
+        let maps = maps.clone();
+        let look = move || picture.look(&mut maps.lock().unwrap_or_else(PoisonError::into_inner));
+        PictureTask { look: Box::new(look), layers, paths }
     }
 
     /// Shows the dialog; `pixel_secs` is the time of a sample of a pixel, if known.
@@ -183,6 +210,9 @@ impl PicturesDialog {
         let field = TextEdit::singleline(&mut self.name).desired_width(FIELD);
         ui.add(field).accessible_name("Name of the pictures").on_hover_text("The name of each look is added to it");
         ui.end_row();
+        ui.label("");
+        check_box(ui, &mut self.replaces, "Replace existing").on_hover_text("Write files anew that exist already");
+        ui.end_row();
         chosen.inner
     }
 
@@ -197,6 +227,14 @@ impl PicturesDialog {
     }
 }
 
+/// Names of files for looks, which differ in more than upper and lower case: some systems take no notice of that.
+fn file_names<'a>(looks: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let plain: Vec<String> = looks.map(|look| file_name(look)).collect();
+    let apart = told_apart(plain.iter().map(|name| name.to_lowercase()).collect());
+    let numbered = |(name, apart): (&String, &String)| format!("{name}{}", &apart[name.to_lowercase().len()..]);
+    plain.iter().zip(&apart).map(numbered).collect()
+}
+
 fn buttons(ui: &mut Ui) -> Option<PicturesAnswer> {
     ui.add_space(10.0);
     let buttons = ui.horizontal(|ui| {
@@ -204,4 +242,15 @@ fn buttons(ui: &mut Ui) -> Option<PicturesAnswer> {
         render.or(ui.button("Cancel").clicked().then_some(PicturesAnswer::Cancel))
     });
     buttons.inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_looks_are_told_apart_on_every_system() {
+        let names = ["Day", "day", "Red/1", "Red-1"].map(String::from);
+        assert_eq!(file_names(names.iter()), ["Day", "day 2", "Red-1", "Red-1 2"]);
+    }
 }

@@ -2,8 +2,7 @@
 
 use lapidary_core::{
     animation::{Animation, AnimationError},
-    dataset::scene_hash,
-    ground::Ground,
+    dataset::{BakeSettings, scene_hash},
     scene::Scene,
 };
 use lapidary_interchange::{
@@ -69,9 +68,9 @@ impl Imported {
         })
     }
 
-    /// The scene without shadows, over a ground of this kind, shown until it is baked.
-    pub fn unshadowed(&self, ground: Ground) -> Baked {
-        Baked::begun(unshadowed((*self.scene).clone(), self.hash.clone(), ground))
+    /// The scene without shadows, shown until it is baked with these settings: on the same ground, in the same light.
+    pub fn unshadowed(&self, settings: &BakeSettings) -> Baked {
+        Baked::begun(unshadowed((*self.scene).clone(), self.hash.clone(), settings))
     }
 
     /// Trial of a bake. The first call with `may_begin` starts it on a thread; later ones return its result once known.

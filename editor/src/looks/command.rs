@@ -11,11 +11,14 @@ use crate::{
     paths::Folders,
     pose,
     preferences::Preferences,
+    workspace::files_in_use,
 };
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use lapidary_core::ground::Ground;
+use lapidary_render::Baked;
 use lapidary_studies::{
-    args::{DeviceArgs, check_memory},
+    args::{DeviceArgs, SMOOTH, check_memory},
     export::{Finished, LayerKind, Studio, check_pictures},
     outputs::CommandFiles,
     terminal::{Console, Outcome, print_out},
@@ -45,7 +48,7 @@ impl LooksArgs {
         if loaded.session.looks.is_empty() {
             console.note("the session has no looks; add one in the window, in the tab Looks");
         }
-        let line = |look: &SessionLook| format!("{}: {}\n", look.name, kept(look).join(", "));
+        let line = |look: &SessionLook| format!("{}: {}\n", look.name.escape_debug(), kept(look).join(", "));
         print_out(&loaded.session.looks.iter().map(line).collect::<String>())?;
         Ok(Outcome::Done)
     }
@@ -79,8 +82,8 @@ pub struct RenderSessionArgs {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
     size: [u32; 2],
-    /// Samples per pixel, 1 to 256
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=256))]
+    /// Samples per pixel, 1 to 256, whatever the session says
+    #[arg(long, value_name = "N", default_value_t = SMOOTH, value_parser = clap::value_parser!(u32).range(1..=256))]
     aa: u32,
     #[command(flatten)]
     device: DeviceArgs,
@@ -90,7 +93,9 @@ impl RenderSessionArgs {
     /// Whether these arguments of the program render a session.
     pub fn are_meant(arguments: &[OsString]) -> bool {
         let mut words = arguments.iter().skip(1).filter(|word| !word.to_string_lossy().starts_with('-'));
-        let is_session = |word: &OsString| Path::new(word).extension().is_some_and(|extension| extension == EXTENSION);
+        let is_session = |word: &OsString| {
+            Path::new(word).extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
+        };
         words.next().is_some_and(|command| command == "render") && words.any(is_session)
     }
 
@@ -106,7 +111,12 @@ impl RenderSessionArgs {
         ready.warnings.iter().for_each(|warning| console.warning(warning));
         let pictures = self.pictures(&ready.document)?;
         let outputs: Vec<&PathBuf> = pictures.iter().flat_map(|(_, outputs)| outputs).collect();
-        CommandFiles::default().reads([&self.file]).reads(&ready.document.dataset).writes(outputs).check()?;
+        let inputs = files_in_use(&ready.document);
+        let bakes = [&ready.document.dataset, &ready.bake_output].into_iter().flatten();
+        CommandFiles::default().reads([&self.file]).reads(inputs).reads(bakes).writes(outputs).check()?;
+        if ready.is_draft {
+            console.warning("the scene has only a draft of its bake; bake it in the window for exact shadows");
+        }
         let shown = self.shown(ready)?;
         let (mut studio, mut maps) = (Studio::new(self.device.open()?, shown.baked.clone())?, Maps::default());
         for (look, outputs) in pictures {
@@ -167,7 +177,9 @@ impl RenderSessionArgs {
 
     /// What the session shows.
     fn shown(&self, ready: Ready) -> Result<PictureOfDocument> {
-        let Some(baked) = ready.baked.filter(|_| ready.preview.is_none()) else {
+        let ground = ready.document.bake.ground;
+        let suits = |baked: &Baked| ready.preview.is_none() && (ground == Ground::Off || baked.has_ground());
+        let Some(baked) = ready.baked.filter(suits) else {
             bail!(
                 "the session has no bake of its scene as it is now; open it in the window and bake it ({})",
                 self.file.display()
@@ -180,12 +192,16 @@ impl RenderSessionArgs {
 }
 
 /// The path of a picture of a look: its name comes before the extension.
-pub fn with_name(path: &Path, name: &str) -> PathBuf {
-    let plain = |c: char| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '-' };
+fn with_name(path: &Path, name: &str) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let name: String = name.chars().map(plain).collect();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{name}.{extension}"))
+    path.with_file_name(format!("{stem}-{}.{extension}", file_name(name)))
+}
+
+/// The name of a look in names of files.
+pub fn file_name(look: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '-' };
+    look.chars().map(plain).collect()
 }
 
 #[cfg(test)]
@@ -203,7 +219,7 @@ mod tests {
     fn a_session_is_told_from_a_dataset() {
         let are_meant =
             |text: &str| RenderSessionArgs::are_meant(&text.split(' ').map(OsString::from).collect::<Vec<_>>());
-        assert!(are_meant("lapidary render a.lapidary --out a.png") && are_meant("lapidary --quiet render a.lapidary"));
+        assert!(are_meant("lapidary render A.LAPIDARY --out a.png") && are_meant("lapidary --quiet render a.lapidary"));
         assert!(!are_meant("lapidary render a.cuts --out a.png") && !are_meant("lapidary check a.lapidary"));
         assert!(!are_meant("lapidary"));
     }

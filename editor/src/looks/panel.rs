@@ -10,10 +10,11 @@ use crate::{
     widgets::{note, outline},
 };
 use egui::{
-    Align, Button, Color32, Key, Layout, Popup, Rect, Response, Role, Sense, Stroke, StrokeKind, TextEdit, Ui,
+    Align, Button, Color32, Context, Key, Layout, Popup, Rect, Response, Role, Sense, Stroke, StrokeKind, TextEdit, Ui,
     WidgetInfo, pos2, vec2,
 };
-use lapidary_render::BackendFactory;
+use lapidary_core::scene::pose::Poses;
+use lapidary_render::{BackendFactory, Baked};
 use lapidary_studies::jobs::Wake;
 
 /// Width and height of a picture in points.
@@ -25,13 +26,15 @@ pub const KEYS: usize = 9;
 pub struct LooksContext<'a> {
     /// The document.
     pub document: &'a Document,
-    /// What the window shows, for pictures of looks; `None` without a scene.
-    pub shown: Option<PictureOfDocument>,
+    /// Its bake and its poses; `None` without a scene.
+    pub shown: Option<(&'a Baked, Poses)>,
+    /// Size of the picture in the window.
+    pub size: [u32; 2],
     /// Makes renderers for the pictures.
     pub factory: &'a BackendFactory,
     /// Makes the window look for pictures.
     pub wake: &'a Wake,
-    /// Whether nothing moves, so that pictures of looks may take the cores.
+    /// Whether nothing moves and nobody waits, so that pictures of looks may take the cores.
     pub is_calm: bool,
 }
 
@@ -45,6 +48,7 @@ pub struct LooksPanel {
 /// A name while it is typed.
 struct Renaming {
     look: usize,
+    before: String,
     name: String,
     is_focused: bool,
 }
@@ -52,10 +56,7 @@ struct Renaming {
 /// Shows the tab.
 pub fn show(ui: &mut Ui, panel: &mut LooksPanel, context: &LooksContext, actions: &mut Vec<Action>) {
     let document = context.document;
-    panel.thumbnails.collect(ui.ctx(), &document.looks);
-    if let Some(shown) = context.shown.as_ref().filter(|_| context.is_calm) {
-        panel.thumbnails.ask(&document.looks, shown, context.factory, context.wake);
-    }
+    panel.ask_for_pictures(context);
     ui.horizontal(|ui| {
         let help = "Keep the materials, the light, the camera and the view as they are now";
         if ui.add_enabled(context.shown.is_some(), Button::new("Add look")).on_hover_text(help).clicked() {
@@ -83,7 +84,8 @@ fn row(ui: &mut Ui, panel: &mut LooksPanel, document: &Document, look: usize, ac
     ui.add_space(2.0);
     ui.horizontal(|ui| {
         let picture = picture(ui, panel, document, named);
-        if picture.on_hover_text("Click to show this look").clicked() {
+        let problem = panel.thumbnails.of(&named.state).and_then(Result::err);
+        if picture.on_hover_text(problem.unwrap_or("Click to show this look")).clicked() {
             actions.extend(show_look(document, look, LookPart::All));
         }
         let size = vec2(ui.available_width(), PICTURE.y);
@@ -103,15 +105,14 @@ fn row(ui: &mut Ui, panel: &mut LooksPanel, document: &Document, look: usize, ac
 /// The picture of a look, in a frame if the document has its materials and its light.
 fn picture(ui: &mut Ui, panel: &LooksPanel, document: &Document, named: &NamedLook) -> Response {
     let (rect, response) = ui.allocate_exact_size(PICTURE, Sense::click());
-    let is_shown = !named.state.part(LookPart::Materials).differs(document)
-        && !named.state.part(LookPart::Light).differs(document);
+    let is_shown = named.state.has_materials_and_light_of(document);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_shown, format!("Show {}", named.name)));
     match panel.thumbnails.of(&named.state) {
-        Some(texture) => {
+        Some(Ok(texture)) => {
             let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter().image(texture.id(), rect, all, Color32::WHITE);
         }
-        None => {
+        Some(Err(_)) | None => {
             ui.painter().rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
         }
     }
@@ -124,15 +125,21 @@ fn picture(ui: &mut Ui, panel: &LooksPanel, document: &Document, named: &NamedLo
 /// The name; a double click makes it a text field, in which Enter or a click elsewhere accepts it and Escape cancels.
 fn name(ui: &mut Ui, panel: &mut LooksPanel, document: &Document, look: usize, actions: &mut Vec<Action>) {
     let named = &document.looks[look];
-    let Some(renaming) = panel.renaming.as_mut().filter(|renaming| renaming.look == look) else {
+    let is_renamed = |renaming: &&mut Renaming| renaming.look == look && renaming.before == named.name;
+    let Some(renaming) = panel.renaming.as_mut().filter(is_renamed) else {
         let button = Button::new(named.name.as_str()).frame(false).truncate();
         if ui.add(button).on_hover_text("Double-click to rename").double_clicked() {
             panel.begin_renaming(look, &named.name);
         }
         return;
     };
-    let field = TextEdit::singleline(&mut renaming.name).desired_width(ui.available_width());
-    let field = ui.add(field).accessible_name("Look name");
+    let is_taken = document.look(renaming.name.trim()).is_some_and(|other| other.name != renaming.before);
+    let color = is_taken.then(|| ui.visuals().error_fg_color);
+    let field = TextEdit::singleline(&mut renaming.name).text_color_opt(color).desired_width(ui.available_width());
+    let mut field = ui.add(field).accessible_name("Look name");
+    if is_taken {
+        field = field.on_hover_text("Another look has this name");
+    }
     if !renaming.is_focused {
         field.request_focus();
         renaming.is_focused = true;
@@ -150,8 +157,9 @@ fn menu(ui: &mut Ui, panel: &mut LooksPanel, document: &Document, look: usize, a
     let named = &document.looks[look];
     let button = ui.button("...").accessible_name(format!("More of {}", named.name));
     Popup::menu(&button).show(|ui| {
-        for part in LookPart::ALL.into_iter().filter(|part| *part != LookPart::All) {
-            if ui.button(format!("Show only its {}", part.label().to_lowercase())).clicked() {
+        let parts = [(LookPart::Materials, "materials"), (LookPart::Light, "light"), (LookPart::Camera, "camera")];
+        for (part, label) in parts {
+            if ui.button(format!("Show only its {label}")).clicked() {
                 actions.extend(show_look(document, look, part));
             }
         }
@@ -178,11 +186,25 @@ impl LooksPanel {
     /// Whether there is a picture of a look.
     #[cfg(test)]
     pub fn has_picture(&self, look: &LookState) -> bool {
-        self.thumbnails.of(look).is_some()
+        self.thumbnails.of(look).is_some_and(|picture| picture.is_ok())
+    }
+
+    /// Takes pictures that are ready.
+    pub fn collect(&mut self, ctx: &Context, document: &Document, baked: Option<&Baked>) {
+        self.thumbnails.collect(ctx, &document.looks, baked);
+    }
+
+    fn ask_for_pictures(&mut self, context: &LooksContext) {
+        let LooksContext { document, size, factory, wake, .. } = *context;
+        let Some((baked, poses)) = context.shown.as_ref().filter(|_| context.is_calm) else { return };
+        let Some(look) = self.thumbnails.missing(&document.looks, baked, poses) else { return };
+        let (shown, baked, poses) = (document.clone(), (*baked).clone(), poses.clone());
+        let picture = PictureOfDocument { document: shown, baked, poses, size, aa: None };
+        self.thumbnails.ask(look, picture, factory, wake);
     }
 
     fn begin_renaming(&mut self, look: usize, name: &str) {
-        self.renaming = Some(Renaming { look, name: name.into(), is_focused: false });
+        self.renaming = Some(Renaming { look, before: name.into(), name: name.into(), is_focused: false });
     }
 }
 

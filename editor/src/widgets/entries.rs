@@ -1,8 +1,8 @@
 //! Rows for special values: ranges over decades, counts, optional limits, long lists of choices, points.
 
-use super::{Edited, RowName, check_box, note, number_size, row, row_of, slider_width, units::grouped};
+use super::{Edited, RowName, Typing, check_box, note, number_size, row, row_of, slider_width, typed, units::grouped};
 use egui::{
-    Align, ComboBox, DragValue, Layout, Response, Slider, TextStyle, TextWrapMode, Ui, WidgetText, emath::Numeric,
+    Align, ComboBox, DragValue, Layout, Response, Slider, TextStyle, TextWrapMode, Ui, WidgetText, emath::Numeric, vec2,
 };
 use glam::Vec3;
 use lapidary_core::texture::ColorSpace;
@@ -52,7 +52,8 @@ impl<'a> Decades<'a> {
             .suffix(self.unit)
             .min_size(number_size(ui))
             .update_while_editing(false);
-        ui.add(entry).accessible_name(format!("{} value", name.full))
+        let typing = Typing { unit: self.unit, range: Some(self.range.clone()), size: None };
+        typed(ui, entry, &typing).accessible_name(format!("{} value", name.full))
     }
 
     fn slider(&self, ui: &mut Ui, number: &mut f64) -> Response {
@@ -169,17 +170,17 @@ fn text_width(ui: &Ui, text: &str, style: TextStyle) -> f32 {
 
 /// One row with the coordinates of a point in meters.
 pub fn point_row(ui: &mut Ui, label: &str, help: &str, point: &mut Vec3) -> Edited {
-    axes_row(ui, label, help, point, "m", 0.01)
+    axes_row(ui, label, help, point, ["m", "m"], 0.01)
 }
 
 /// One row with turns about the axes in degrees.
 pub fn turns_row(ui: &mut Ui, label: &str, help: &str, degrees: &mut Vec3) -> Edited {
-    axes_row(ui, label, help, degrees, "degrees", 0.5)
+    axes_row(ui, label, help, degrees, ["°", "degrees"], 0.5)
 }
 
 /// One row with a number for each axis, which changes by `speed` per point of a drag. In a narrow panel they stand below one
 /// another.
-fn axes_row(ui: &mut Ui, label: &str, help: &str, numbers: &mut Vec3, unit: &str, speed: f64) -> Edited {
+fn axes_row(ui: &mut Ui, label: &str, help: &str, numbers: &mut Vec3, [unit, words]: [&str; 2], speed: f64) -> Edited {
     let number = text_width(ui, LONG_NUMBER, TextStyle::Monospace) + 2.0 * CLOSE;
     let least = 3.0 * number + 2.0 * CLOSE;
     row_of(ui, least, label, help, false, |ui, name, _| {
@@ -195,9 +196,10 @@ fn axes_row(ui: &mut Ui, label: &str, help: &str, numbers: &mut Vec3, unit: &str
             let mut edited = Edited::default();
             for (number, axis) in numbers.as_mut().iter_mut().zip(["X", "Y", "Z"]) {
                 let entry = DragValue::new(number).speed(speed).max_decimals(3).update_while_editing(false);
-                let entry = ui.add_sized([width, ui.spacing().interact_size.y], entry);
+                let size = vec2(width, ui.spacing().interact_size.y);
+                let entry = typed(ui, entry, &Typing { unit, range: None, size: Some(size) });
                 edited |= Edited::by(ui, &entry);
-                entry.accessible_name(format!("{} {axis}", name.full)).on_hover_text(format!("{axis}, {unit}"));
+                entry.accessible_name(format!("{} {axis}", name.full)).on_hover_text(format!("{axis}, {words}"));
             }
             edited
         };

@@ -64,7 +64,7 @@ impl Workspace {
         }
         // The picture stays on the screen, marked as out of date.
         self.scene.show_stale = self.scene.shown().is_some();
-        let preview = (!self.scene.show_stale).then(|| source.unshadowed(self.document.bake.ground));
+        let preview = (!self.scene.show_stale).then(|| source.unshadowed(&self.document.bake));
         preview.iter().for_each(|preview| self.take_materials_of(&preview.dataset));
         self.scene.preview = preview;
         self.scene.kept_output = Some(kept_in(&self.folders.bakes(), path, &source.hash));

@@ -2,7 +2,7 @@
 
 use super::Workspace;
 use crate::document::Document;
-use lapidary_core::{brdf::BrdfFile, output::check_output};
+use lapidary_core::{brdf::BrdfFile, material::Material, output::check_output};
 use lapidary_interchange::image::file_and_layer;
 use std::path::{Path, PathBuf};
 
@@ -38,20 +38,29 @@ impl Workspace {
     }
 }
 
-/// Files of the document's scene, materials and light, each once.
+/// Files of the scene, the materials and the light of a document and its looks, each once.
 pub fn files_in_use(document: &Document) -> Vec<PathBuf> {
-    let slots = document.materials.iter().flat_map(|m| m.maps.slots());
+    let slots = all_materials(document).flat_map(|m| m.maps.slots());
     let textures = slots.filter_map(|slot| document.file_of(document.textures.get(slot.image()?)?));
     let textures = textures.map(|path| file_and_layer(&path).0.to_owned());
-    let environment = document.environment.file().map(|path| file_and_layer(path).0.to_owned());
+    let of_looks = document.looks.iter().filter_map(|look| Some(&look.state.light.as_ref()?.environment));
+    let environments = [&document.environment].into_iter().chain(of_looks);
+    let environments = environments.filter_map(|map| Some(file_and_layer(map.file()?).0.to_owned()));
     let brdfs = brdf_files(document).map(|file| file.path.clone());
-    let mut files: Vec<PathBuf> = textures.chain(brdfs).chain(environment).chain(document.scene.clone()).collect();
+    let mut files: Vec<PathBuf> = textures.chain(brdfs).chain(environments).chain(document.scene.clone()).collect();
     files.sort();
     files.dedup();
     files
 }
 
-/// BRDF files of materials.
+/// BRDF files of all materials.
 pub fn brdf_files(document: &Document) -> impl Iterator<Item = &BrdfFile> {
-    document.materials.iter().filter_map(|material| material.file.as_ref())
+    all_materials(document).filter_map(|material| material.file.as_ref())
+}
+
+/// Materials of a document and its looks, also those of grounds that are not shown.
+fn all_materials(document: &Document) -> impl Iterator<Item = &Material> {
+    let of_looks = document.looks.iter().filter_map(|look| look.state.materials.as_ref());
+    let of_looks = of_looks.flat_map(|of_look| of_look.materials.iter().chain(&of_look.hidden_ground));
+    document.materials.iter().chain(&document.hidden_ground).chain(of_looks)
 }

@@ -6,7 +6,11 @@ use crate::document::Edit;
 impl Workspace {
     /// Changes the document; edits of one gesture are one step of undo.
     pub fn edit(&mut self, edit: Edit, label: &'static str) {
+        let (before, is_look) = (self.material_of_selected_part(), matches!(edit, Edit::Look(_)));
         self.history.apply(&mut self.document, edit, label);
+        if is_look {
+            self.follow_selected_part(before);
+        }
     }
 
     /// An edit that is a step of undo by itself.
@@ -38,11 +42,12 @@ impl Workspace {
         self.selection.part.map(|part| self.document.material_of(part))
     }
 
-    /// Selects the material of the selected part if it has changed.
+    /// Selects the material of the selected part if it has changed, and none that is gone.
     fn follow_selected_part(&mut self, before: Option<usize>) {
         let now = self.material_of_selected_part();
         if now != before {
             self.selection.material = now;
         }
+        self.selection.material = self.selection.material.filter(|&index| index < self.document.materials.len());
     }
 }

@@ -113,8 +113,8 @@ fn anisotropy(entry: &MtlEntry) -> f32 {
     if (from_tangent - 0.5).abs() < 0.25 { -amount } else { amount }
 }
 
-/// A highlight of this luminance says metal where it is this many times as bright as the color below it: programs give plastics
-/// highlights up to 1, over a color that is as bright.
+/// A highlight of this luminance says metal where it is this many times as bright as any channel of the color below it: programs give
+/// plastics highlights up to 1, over a color that may be as bright, and saturated.
 const LEAST_METAL: f32 = 0.6;
 const METAL_OVER_COLOR: f32 = 1.5;
 
@@ -123,9 +123,11 @@ fn is_metal_by_highlight(entry: &MtlEntry) -> bool {
     let is_plain = entry.number("pm").is_none()
         && ["map_kd", "map_pm"].iter().all(|map| entry.map(map).is_none())
         && !entry.is_transparent();
-    let [color, highlight] = ["kd", "ks"].map(|key| entry.color(key).map(luminance));
-    let outshines = |(color, highlight): (f32, f32)| highlight > LEAST_METAL && highlight > METAL_OVER_COLOR * color;
-    is_plain && color.zip(highlight).is_some_and(outshines)
+    let outshines = |(color, highlight): (Vec3, Vec3)| {
+        let highlight = luminance(highlight);
+        highlight > LEAST_METAL && highlight > METAL_OVER_COLOR * color.max_element()
+    };
+    is_plain && entry.color("kd").zip(entry.color("ks")).is_some_and(outshines)
 }
 
 fn metalness(entry: &MtlEntry) -> f32 {
@@ -288,6 +290,9 @@ mod tests {
         for other in [
             "Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nNs 225",
             "Kd 0.7 0.7 0.7\nKs 1 1 1\nNs 100",
+            // Red plastic of those tables, and a blue one.
+            "Kd 0.5 0 0\nKs 0.7 0.6 0.6\nNs 32",
+            "Kd 0 0 1\nKs 1 1 1\nNs 100",
             "Kd 0 0 0\nKs 0.9 0.9 0.9\nd 0.2",
             "Kd 0 0 0\nKs 0.9 0.9 0.9\nmap_Kd wood.png",
             &format!("{chrome}\nPm 0"),

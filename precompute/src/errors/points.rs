@@ -40,17 +40,17 @@ impl PointsError {
         match self {
             Self::SeesNothing(Vec3 { x, y, z }) => {
                 format!(
-                    "no surface is seen from the viewpoint ({x}, {y}, {z}); give one inside the scene as {viewpoint}"
+                    "no surface is seen from the viewpoint ({x}, {y}, {z}); choose one inside the scene ({viewpoint})"
                 )
             }
             Self::InsideSolid(Vec3 { x, y, z }) => {
                 format!(
-                    "the viewpoint ({x}, {y}, {z}) lies inside something solid; give one in the open as {viewpoint}"
+                    "the viewpoint ({x}, {y}, {z}) lies inside something solid; choose one in the open ({viewpoint})"
                 )
             }
             Self::NoViewpoint => format!(
                 "no valid viewpoint: no place in the scene sees the front of a surface; check that the normals of the mesh \
-                 point out of it, or give a place as {viewpoint}"
+                 point out of it, or choose a viewpoint ({viewpoint})"
             ),
             Self::TooLittleSurface { wanted } => format!(
                 "light reaches too little surface for {wanted} points; lower {}, or check the scene for zero-area faces",

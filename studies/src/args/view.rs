@@ -104,9 +104,10 @@ struct CameraArgs {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = values::size)]
     size: [u32; 2],
-    /// Samples per pixel, 1 to 256; 1 is the pixel's center
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
-    aa: u32,
+    /// Samples per pixel, 1 to 256; 1 is the pixel's center [default: 16 for pictures of `render`, `sequence` and `reference --kind
+    /// path`, else 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    aa: Option<u32>,
     /// What pixels without a surface show; black leaves the environment out of measured errors
     #[arg(long, value_enum, default_value_t)]
     background: BackgroundOption,
@@ -204,13 +205,18 @@ impl ViewArgs {
         self.material.apply(&mut dataset.scene, console)?;
         let camera = self.camera.resolve(&dataset.scene, &dataset.shot_views())?;
         let view = View {
-            aa: self.camera.aa,
+            aa: self.camera.aa.unwrap_or(1),
             background: self.camera.background.into(),
             ground: self.camera.ground_of(&dataset, &self.file)?,
             mirrors: !self.camera.no_mirrors,
             ..View::new(camera, self.camera.size)
         };
         Ok(ViewedScene { baked: dataset.into(), poses: Poses::default(), view, light, local })
+    }
+
+    /// Samples per pixel of a picture for people.
+    pub fn smooth_samples(&self) -> u32 {
+        self.camera.aa.unwrap_or(SMOOTH)
     }
 
     /// Checks that this many pictures of the requested size fit in memory at once. Layers of a file count as pictures.
@@ -229,6 +235,9 @@ impl ViewArgs {
 pub fn check_memory(size: [u32; 2], pictures: usize) -> Result<()> {
     check_room(size, pictures, memory::available())
 }
+
+/// Samples per pixel at which edges are smooth.
+pub const SMOOTH: u32 = 16;
 
 /// Bytes per pixel of the first picture: samples, sum, coverage, depth, an output copy and the encoded file.
 const BYTES_OF_PICTURE: u64 = 64;
@@ -381,7 +390,7 @@ mod tests {
         target: None,
         fov: None,
         size: [4, 4],
-        aa: 1,
+        aa: None,
         background: BackgroundOption::Environment,
         ground: None,
         no_mirrors: false,

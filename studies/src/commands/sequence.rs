@@ -76,6 +76,7 @@ pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
     let interrupt = ProgressReporter::interruptible(console);
     args.view.check_memory(1 + args.layers.as_ref().map_or(0, LayerList::most))?;
     let mut viewed = args.view.resolve(&args.local, console)?;
+    viewed.view.aa = args.view.smooth_samples();
     let (poses, motion) = args.motion.read(&viewed.baked.dataset.scene, &args.view.import_options(), console)?;
     viewed.poses = poses;
     let look = args.picture.look(&viewed)?;

@@ -6,7 +6,7 @@ use crate::{
     sequence::{Prepared, SequenceEnd, SequenceTask},
     terminal::Interrupted,
 };
-use anyhow::Result;
+use anyhow::{Context, Result};
 use lapidary_render::{BackendFactory, Baked, Look, Progress};
 use std::{
     path::PathBuf,
@@ -146,12 +146,14 @@ fn several(pictures: Vec<PictureTask>, studio: &mut Studio, state: &SharedProgre
     let mut folder = PathBuf::new();
     for (done, PictureTask { look, layers, paths }) in pictures.into_iter().enumerate() {
         state.advanced(done as u64, all as u64);
-        let look = look()?;
+        let name = paths.first().map(|path| path.display().to_string()).unwrap_or_default();
+        let told = || format!("picture {} of {all} ({name})", done + 1);
+        let look = look().with_context(told)?;
         match Finished::take(studio, &look, &wanted_layers(layers.as_ref(), &look)?, &|| state.cancelled()) {
             Err(error) if error.is::<Interrupted>() => {
                 return Ok(ExportMessage::Cancelled(format!("Export cancelled: {done} of {all} pictures are written")));
             }
-            finished => finished?.write(&look, &studio.baked().dataset, &paths)?,
+            finished => finished.with_context(told)?.write(&look, &studio.baked().dataset, &paths)?,
         }
         folder = paths.first().and_then(|path| path.parent()).map(Into::into).unwrap_or_default();
     }

@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(error.to_string(), "beta is 2, but must lie between 0 and 1");
         let told = with_options(&BakeError::from(error));
         assert!(told.starts_with("--beta"), "{told}");
-        assert!(with_options(&PointsError::NoViewpoint).ends_with("--viewpoint x,y,z"));
+        assert!(with_options(&PointsError::NoViewpoint).ends_with("(--viewpoint x,y,z)"));
         assert!(with_options(&BakeError::Cancelled).contains("--resume"));
         let lost = BackendError::Driver("out of memory".into());
         assert!(with_options(&lost).ends_with("or use --backend cpu") && !lost.to_string().contains("--"), "{lost}");

@@ -120,7 +120,9 @@ fn a_look_is_compared_with_what_is_shown() {
     window.wait("the same look", |s| difference(s) == Some(0.0));
     change(&mut window, glam::Vec3::X, 90.0);
     window.wait("another look", |s| difference(s).is_some_and(|difference| difference > 0.05));
-    assert!(window.shows("B: Look 1"), "and its name stands over the picture");
+    let state = window.0.state();
+    let compared = state.comparison.compared(state.work.document.view.cuts(), egui::Color32::RED);
+    assert!(compared.labels[1].contains("Look 1"), "its name stands over the picture: {:?}", compared.labels);
     let hold = Event::Key { key: Key::R, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
     window.0.input_mut().events.push(hold);
     window.0.run_steps(2);
@@ -139,6 +141,8 @@ fn looks_are_rendered_to_files() {
     window.click("Add look");
     window.click("Render looks...");
     assert!(window.shows("2 pictures of 1920 x 1080 pixels"));
+    // The dialog has its place.
+    window.0.run_steps(3);
     let folder = place.path("out");
     for (field, text) in [
         ("Picture width", "24"),

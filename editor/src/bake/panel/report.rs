@@ -68,7 +68,7 @@ mod tests {
         assert_eq!(value("Sigma"), Some("3 (2 asked for)"));
         assert_eq!(value("Cuts"), Some("9.2 MB"));
         assert_eq!((value("Peak memory"), value("Memory expected")), (Some("340.0 MB"), Some("382.0 MB")));
-        assert_eq!(value("Audit, missed"), None);
+        assert_eq!(value("Lights missed"), None);
         let audited = |lights_per_probe| {
             let found = BakeAudit {
                 leaves_per_probe: lights_per_probe,
@@ -77,10 +77,11 @@ mod tests {
                 ..Default::default()
             };
             let rows = self::rows(&BakeReport { audit: Some(found), ..report.clone() }, &Preset::Normal.settings());
-            rows.into_iter().filter(|(name, _)| name.starts_with("Audit")).map(|(_, value)| value).collect::<Vec<_>>()
+            let is_of_audit = |name: &str| ["Error, checked", "Lights missed"].contains(&name);
+            rows.into_iter().filter(|(name, _)| is_of_audit(name)).map(|(_, value)| value).collect::<Vec<_>>()
         };
         assert_eq!(audited(16), ["0.0800 RMS", "0.020 % of lights"]);
-        assert_eq!(audited(1), ["0.0800 RMS", "none, all traced"]);
+        assert_eq!(audited(1), ["0.0800 RMS", "none: all lights were traced"]);
         let sources = |audit| {
             let indirect = Some(IndirectReport { audit, ..Default::default() });
             let rows = self::rows(&BakeReport { indirect, ..report.clone() }, &Preset::Normal.settings());

@@ -301,7 +301,7 @@ fn the_report_shows_its_table_and_warnings() {
     let mut dataset = baked_triangle();
     dataset.report.audit = Some(BakeAudit { leaves_per_probe: 16, leaves_wrong: 1e-4, ..Default::default() });
     let with = panel(BakeStatus::UpToDate, document(), Some(dataset));
-    for label in ["Mean cut", "Visibility error", "Audit, missed", "a corner is thin", "Nodes of the visibility cuts"] {
+    for label in ["Mean cut", "Visibility error", "Lights missed", "a corner is thin", "Nodes of the visibility cuts"] {
         assert!(with.query_by_label(label).is_some(), "{label}");
     }
     assert_fits(&with, WIDTH);

@@ -92,8 +92,8 @@ impl PartOfPanel for Environment {
         ];
         if let Some(audit) = &report.audit {
             rows.extend([
-                ("Audit, error", format!("{:.4} RMS", audit.rms_error)),
-                ("Audit, missed", missed(audit, "lights")),
+                ("Error, checked", format!("{:.4} RMS", audit.rms_error)),
+                ("Lights missed", missed(audit, "lights")),
             ]);
         }
         let speed = |run: &BakeRun| ("Speed", format!("{:.1} M pairs/s", run.samples_per_second / 1e6));

@@ -52,8 +52,10 @@ impl Checks<'_> {
         let names = told_apart(looks.iter().map(name).collect());
         for (look, name) in looks.iter_mut().zip(names) {
             if look.name != name {
-                self.warnings
-                    .push(format!("a look called \"{}\" has another one's name; it is now \"{name}\"", look.name));
+                self.warnings.push(match look.name.as_str() {
+                    "" => format!("a look has no name; it is now \"{name}\""),
+                    taken => format!("a look called \"{taken}\" has another one's name; it is now \"{name}\""),
+                });
                 look.name = name;
             }
             look.materials.iter_mut().for_each(|materials| self.materials(materials));

@@ -61,6 +61,7 @@ pub fn load(path: &Path) -> Result<LoadedSession, SessionError> {
         session.materials_mut().for_each(SessionMaterial::with_ward_of_before);
     }
     checks::sanitize(&mut session, &mut reader.warnings);
+    reader.rename_unknown(&session.looks);
     let folder = folder_of(path);
     session.visit_paths(&mut |_, path| *path = resolve(path, &folder));
     let missing = missing_files(&mut session);
@@ -181,6 +182,12 @@ impl Reader {
             self.unknown.insert("looks".into(), unknown.into());
         }
         looks
+    }
+
+    /// What is unknown of looks goes by the names that they have got.
+    fn rename_unknown(&mut self, looks: &[SessionLook]) {
+        let Some(Value::Array(unknown)) = self.unknown.get_mut("looks") else { return };
+        unknown.iter_mut().zip(looks).for_each(|(unknown, look)| unknown["name"] = look.name.clone().into());
     }
 
     fn look(&mut self, given: &Map<String, Value>) -> SessionLook {

@@ -68,7 +68,7 @@ fn a_pixel_has_its_cuts_its_map_and_its_greatest_nodes() {
     let panel = panel(explained());
     assert_fits(&panel, WIDTH);
     for label in
-        ["Pixel 4, 3", "Vertex 2", "64 nodes, 0 in the dark", "Merged cut on the map of directions", "and 14 more"]
+        ["Pixel 4, 3", "Vertex 2", "64 nodes, 0 of them unlit", "Merged cut on the map of directions", "and 14 more"]
     {
         assert!(panel.query_by_label(label).is_some(), "{label}");
     }

@@ -180,13 +180,15 @@ impl Reader<'_> {
             None => output.as_deref().and_then(|output| read_if_there(output, &mut warnings)),
         };
         let unknown = loaded.unknown.clone();
-        let ground = loaded.session.bake.ground;
+        let bake = loaded.session.bake.clone();
         // Only a bake of the present scene with the session's ground is shown.
         let suits = |baked: &Baked| match &source {
-            Some(source) => baked.dataset.scene_hash == source.hash && (ground == Ground::Off || baked.has_ground()),
+            Some(source) => {
+                baked.dataset.scene_hash == source.hash && (bake.ground == Ground::Off || baked.has_ground())
+            }
             None => true,
         };
-        let preview = || source.as_ref().map(|source| source.unshadowed(ground));
+        let preview = || source.as_ref().map(|source| source.unshadowed(&bake));
         let rendered = baked.clone().filter(suits).or_else(preview);
         let (document, remarks) = loaded.into_document(rendered.as_ref().map(|rendered| &rendered.dataset.scene));
         warnings.extend(remarks);
@@ -220,7 +222,7 @@ impl Found {
         let baked = self.best();
         // A bake of another version of the scene is shown only if the user says so.
         let is_seen = baked.as_ref().is_some_and(|baked| baked.dataset.scene_hash == source.hash);
-        let preview = (!is_seen).then(|| source.unshadowed(document.bake.ground));
+        let preview = (!is_seen).then(|| source.unshadowed(&document.bake));
         // A ground has a material of its own.
         let rendered = preview.as_ref().or(baked.as_ref());
         let own = document.own_materials();

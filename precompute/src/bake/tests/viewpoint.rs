@@ -30,7 +30,7 @@ fn viewpoints_that_reach_nothing_are_named() {
     let inside = from(Vec3::new(0.3, -0.4, 0.2));
     assert!(matches!(inside, BakeError::Points(PointsError::InsideSolid(_))), "{inside}");
     let outside = from(Vec3::new(0.0, 9.0, 0.0));
-    assert!(outside.to_string().contains("as viewpoint"), "{outside}");
+    assert!(outside.to_string().contains("(viewpoint)"), "{outside}");
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn a_scene_without_a_closed_space_is_remarked_upon() {
         told.all().join("\n")
     };
     let open = remarks(scene(), "a.cuts");
-    assert!(open.contains("meet no surface") && open.contains("as viewpoint"), "{open}");
+    assert!(open.contains("meet no surface") && open.contains("(viewpoint)"), "{open}");
     assert_eq!(remarks(interior(), "b.cuts"), "");
 }
 
