@@ -54,10 +54,10 @@ pub enum SequenceAnswer {
 }
 
 impl SequenceDialog {
-    /// A turntable of a look, in `folder`.
+    /// A turntable of a look, whose camera goes around the scene, in `folder`.
     pub fn new(look: &Look, folder: &Path) -> Self {
         Self {
-            settings: SequenceSettings::default(),
+            settings: SequenceSettings { turn: Some(Turn::Camera), ..Default::default() },
             size: look.view.size,
             samples: look.view.aa,
             png: true,

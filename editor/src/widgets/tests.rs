@@ -48,6 +48,28 @@ fn typing_changes_once_and_reaches_beyond_the_slider() {
 }
 
 #[test]
+fn expressions_are_taken_and_what_is_wrong_is_told_with_the_reason() {
+    for (text, value, told) in [
+        ("2*3", 6.0, None),
+        ("0,25", 0.25, None),
+        ("1/0", 0.5, Some("divided by zero")),
+        ("2*30", 10.0, Some("0 to 10")),
+    ] {
+        let mut harness = slider();
+        harness.get_by_label("Width value").click();
+        harness.run();
+        harness.get_by_label("Width value").type_text(text);
+        harness.run_steps(2);
+        harness.key_press(egui::Key::Enter);
+        harness.run_steps(3);
+        assert_eq!(harness.state().value, value, "{text}");
+        let says = |words: &str| harness.query_all_by_label_contains(words).next().is_some();
+        assert!(told.is_none_or(says), "{text}");
+        assert!(told.is_some() || !says(" to ") && !says("zero"), "nothing is told of {text}");
+    }
+}
+
+#[test]
 fn a_drag_changes_often_and_ends_once() {
     let mut harness = slider();
     let rect = harness.get_by_label("Width").rect();
