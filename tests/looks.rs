@@ -59,7 +59,8 @@ fn looks_are_listed_and_rendered_one_by_one_and_all() {
     assert_eq!((shown.size, picture(&folder, "dim.png").size), ([48, 36], [48, 36]));
     let (least, most) = ratios(&shown, &dim, 0);
     assert!((least - 0.25).abs() < 1e-4 && (most - 0.25).abs() < 1e-4, "{least} to {most}");
-    assert_eq!(ratios(&shown, &red, 1).1, 0.0, "no green");
+    let green = ratios(&shown, &red, 1).1;
+    assert!(green < 0.4, "only the white highlight is left of green: {green}");
     let (least, most) = ratios(&shown, &red, 0);
     assert!(least > 0.5 && most < 1.01, "its red stays: {least} to {most}");
     assert!(dim == picture(&folder, "all-Dim.exr"), "the same by itself and among all");

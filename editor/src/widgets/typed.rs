@@ -2,7 +2,7 @@
 
 mod expression;
 
-use egui::{DragValue, Id, Popup, Response, RichText, Stroke, StrokeKind, Ui, Vec2};
+use egui::{Area, DragValue, Frame, Id, Order, Response, RichText, Stroke, StrokeKind, Ui, Vec2};
 use expression::value_of;
 use std::{cell::RefCell, ops::RangeInclusive};
 
@@ -57,7 +57,9 @@ fn mark(ui: &Ui, response: &Response, told: Option<String>) {
     ui.ctx().request_repaint_after_secs(left as f32);
     let color = ui.visuals().error_fg_color;
     ui.painter().rect_stroke(response.rect, 2.0, Stroke::new(1.5, color), StrokeKind::Outside);
-    Popup::from_response(response).open(true).show(|ui| ui.label(RichText::new(reason).color(color)));
+    // It lies over the next row, and takes no clicks from it.
+    let area = Area::new(id).order(Order::Tooltip).interactable(false).fixed_pos(response.rect.left_bottom());
+    area.show(ui.ctx(), |ui| Frame::popup(ui.style()).show(ui, |ui| ui.label(RichText::new(reason).color(color))));
 }
 
 /// A bound with few digits.
