@@ -3,12 +3,13 @@
 use super::{Place, few_lights};
 use crate::{
     actions::{Action, BakeAction},
+    document::Edit,
     jobs::{Imported, kept_bakes::draft_of},
     workspace::BakeStage,
 };
 use glam::Vec3;
 use lapidary_core::{
-    dataset::{BakeSettings, Dataset},
+    dataset::{BakeParts, BakeSettings, Dataset},
     scene::pose::Pose,
 };
 use lapidary_interchange::image;
@@ -39,6 +40,21 @@ fn a_scene_without_a_bake_is_seen_without_shadows() {
     );
     let picture = state.picture.shown().unwrap();
     assert!(picture.lighting.nodes.radiance[1].max_element() > 0.0, "it is lit");
+}
+
+#[test]
+fn a_preview_is_lit_as_its_bake_will_be() {
+    let place = Place::new();
+    let mut window = place.window();
+    window.open(&place.path("scene.obj"));
+    for (mode, is_lit) in [(BakeParts::CUTS, true), (BakeParts::INDIRECT, false), (BakeParts::ENVIRONMENT, true)] {
+        let bake = BakeSettings { mode, ..window.0.state().work.document.bake.clone() };
+        window.perform(Action::Edit { edit: Edit::Bake(bake.into()), label: "Bake type" });
+        window.wait("a preview in that light", |s| {
+            s.work.scene.baked_parts().is_some_and(|parts| parts.environment() == is_lit)
+        });
+        assert_eq!(window.0.state().work.scene.seen(), BakeStage::Unshadowed);
+    }
 }
 
 #[test]
