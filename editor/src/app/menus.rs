@@ -5,7 +5,7 @@ use super::{
     state::{EditorState, prompt::Prompt},
 };
 use crate::{
-    actions::{Action, BakeAction, ExportAction, FileAction, LadderAction},
+    actions::{Action, BakeAction, ExportAction, FileAction, LadderAction, LookAction},
     lights,
     preferences::{Preferences, Theme},
     viewport::gizmo::Tool,
@@ -79,6 +79,7 @@ fn file(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 fn export(ui: &mut Ui, state: &EditorState, actions: &mut Vec<Action>) {
     let (shown, running) = (state.work.scene.rendered().is_some(), state.exporting.is_running());
     let entries = [
+        ("Export pictures...", Action::Look(LookAction::Describe), shown && !running),
         ("Export layered EXR...", Action::Export(ExportAction::Layers(None)), shown && !running),
         ("Export sequence...", Action::Export(ExportAction::DescribeSequence), shown && !running),
         ("Export materials...", Action::Export(ExportAction::Materials(None)), shown),

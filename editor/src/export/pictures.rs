@@ -1,4 +1,4 @@
-//! The dialog for pictures of looks: which, how large, and where.
+//! The dialog for pictures of what is shown and of looks: which, how large, and where.
 
 use super::dialog::duration;
 use crate::{
@@ -21,7 +21,7 @@ use std::{
 };
 
 /// Width of the dialog in points.
-const WIDTH: f32 = 460.0;
+const WIDTH: f32 = 520.0;
 /// Width of the field for the folder in points.
 const FIELD: f32 = 270.0;
 /// Height of the list of looks in points.
@@ -36,6 +36,7 @@ pub struct PicturesDialog {
     /// What the window shows, then the looks: names, and whether each is wanted.
     chosen: Vec<(String, bool)>,
     size: [u32; 2],
+    viewport: [u32; 2],
     samples: u32,
     png: bool,
     exr: bool,
@@ -61,12 +62,13 @@ pub enum PicturesAnswer {
 }
 
 impl PicturesDialog {
-    /// All looks of a document in `folder`, in files that begin with `name`.
+    /// All looks of a document, or what is shown if it has none, in `folder`, in files that begin with `name`.
     pub fn new(shown: &PictureOfDocument, folder: &Path, name: &str) -> Self {
         let looks = shown.document.looks.iter().map(|look| (look.name.clone(), true));
         Self {
-            chosen: [("As shown".to_owned(), false)].into_iter().chain(looks).collect(),
+            chosen: [("As shown".to_owned(), looks.len() == 0)].into_iter().chain(looks).collect(),
             size: [1920, 1080],
+            viewport: shown.size,
             samples: shown.document.view.aa,
             png: true,
             exr: false,
@@ -105,7 +107,8 @@ impl PicturesDialog {
                 Some(look) => Some(&look.state),
                 None => bail!("the look \"{look}\" is gone; open the dialog again"),
             };
-            let path = |format: &&str| folder.join(format!("{}-{}.{format}", self.name.trim(), names[index]));
+            let name = if index == 0 { String::new() } else { format!("-{}", names[index]) };
+            let path = |format: &&str| folder.join(format!("{}{name}.{format}", self.name.trim()));
             pictures.push(self.picture(shown, state, formats.iter().map(path).collect(), &maps));
         }
         if pictures.is_empty() {
@@ -114,7 +117,10 @@ impl PicturesDialog {
         let paths: Vec<PathBuf> = pictures.iter().flat_map(|picture| picture.paths.clone()).collect();
         let there = paths.iter().filter(|path| path.exists()).count();
         if there > 0 && !self.replaces {
-            bail!("{there} of the files exist already; tick \"Replace existing\", or choose another name or folder");
+            bail!(
+                "{there} of {} files are there already; tick \"Replace existing\", or choose another name or folder",
+                paths.len()
+            );
         }
         Ok((ExportTask::Pictures(pictures), CommandFiles::default().writes(paths)))
     }
@@ -142,7 +148,7 @@ impl PicturesDialog {
     pub fn show(&mut self, ctx: &Context, pixel_secs: Option<f64>) -> Option<PicturesAnswer> {
         let modal = Modal::new(egui::Id::unique("pictures")).show(ctx, |ui| {
             ui.set_width(WIDTH);
-            ui.heading("Render looks");
+            ui.heading("Export pictures");
             ui.add_space(6.0);
             let grid = Grid::new("picture fields").num_columns(2).spacing([14.0, 7.0]);
             let chosen = grid.show(ui, |ui| {
@@ -161,7 +167,7 @@ impl PicturesDialog {
     }
 
     fn look_rows(&mut self, ui: &mut Ui) {
-        ui.label("Looks");
+        ui.label("Pictures");
         ScrollArea::vertical().max_height(LIST).show(ui, |ui| {
             for (name, wanted) in &mut self.chosen {
                 check_box(ui, wanted, name);
@@ -177,7 +183,7 @@ impl PicturesDialog {
             ui.add(DragValue::new(width).range(1..=16_384)).accessible_name("Picture width");
             ui.label("x");
             ui.add(DragValue::new(height).range(1..=16_384)).accessible_name("Picture height");
-            for (size, label) in SIZES {
+            for (size, label) in SIZES.into_iter().chain([(self.viewport, "Viewport")]) {
                 ui.selectable_value(&mut self.size, size, label);
             }
         });

@@ -134,6 +134,41 @@ fn a_look_is_compared_with_what_is_shown() {
 }
 
 #[test]
+fn what_is_shown_is_exported_in_another_size_and_no_file_is_lost() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window_of(vec2(1100.0, 860.0));
+    window.open(&place.path("scene.obj"));
+    window.wait("a picture", |s| s.picture.shown().is_some());
+    let folder = place.path("out");
+    let describe = |window: &mut Window| {
+        window.click_containing("File");
+        window.click("Export pictures...");
+        window.0.run_steps(3);
+        for (field, text) in [
+            ("Picture width", "24"),
+            ("Picture height", "16"),
+            ("Folder of the pictures", &folder.display().to_string()),
+            ("Name of the pictures", "hero"),
+        ] {
+            fill(window, field, text);
+        }
+        window.click("Render");
+    };
+    describe(&mut window);
+    window.wait("the end of the export", |s| !s.exporting.is_running());
+    assert_eq!(image::read(&folder.join("hero.png")).unwrap().size, [24, 16]);
+    std::fs::write(folder.join("hero.png"), b"mine").unwrap();
+    describe(&mut window);
+    assert!(window.shows("1 of 1 files are there already"), "and it is not lost");
+    assert_eq!(std::fs::read(folder.join("hero.png")).unwrap(), b"mine");
+    window.click("Replace existing");
+    window.click("Render");
+    window.wait("the end of the export", |s| !s.exporting.is_running());
+    assert_eq!(image::read(&folder.join("hero.png")).unwrap().size, [24, 16]);
+}
+
+#[test]
 fn looks_are_rendered_to_files() {
     let place = Place::new();
     let mut window = with_a_look(&place);
