@@ -1,6 +1,7 @@
 //! Export of sequences, layered pictures and materials: the dialog, the job, and its messages.
 
 mod dialog;
+mod output;
 mod pictures;
 mod run;
 mod state;

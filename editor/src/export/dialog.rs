@@ -1,26 +1,21 @@
 //! The dialog for an image sequence: turntable, swept parameters, frames and output folder.
 
-use crate::widgets::{check_box, copyable};
-use anyhow::{Result, bail};
-use egui::{Button, ComboBox, Context, DragValue, Grid, Modal, RichText, TextEdit, Ui};
+use super::output::{Answer, Output, dialog, footer, rows};
+use crate::widgets::check_box;
+use anyhow::Result;
+use egui::{ComboBox, Context, DragValue, Ui};
 use glam::Vec3;
 use lapidary_core::brdf::BrdfModel;
 use lapidary_render::Look;
 use lapidary_studies::{
-    export::{LayerList, wanted_layers},
+    export::wanted_layers,
     sequence::{
         Domain, Existing, FrameNames, Parameter, SequenceSettings, SequenceTask, SheetTask, Sweep, Target, Turn, Value,
         plan,
     },
 };
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Width of the dialog in points.
-const WIDTH: f32 = 500.0;
-/// Width of fields for paths and names in points.
-const FIELD: f32 = 290.0;
-/// Time of all layers over the picture's alone: 29 s over 8 s, measured on the still life.
-const LAYERS: f64 = 3.8;
 /// Name of the contact sheet in the folder of the frames.
 const SHEET: &str = "contact-sheet.png";
 
@@ -28,29 +23,12 @@ const SHEET: &str = "contact-sheet.png";
 #[derive(Clone, Debug)]
 pub struct SequenceDialog {
     settings: SequenceSettings,
-    size: [u32; 2],
-    samples: u32,
-    png: bool,
-    exr: bool,
-    layers: bool,
+    /// The frames.
+    pub output: Output,
     sheet: bool,
     existing: Existing,
-    /// Folder of the frames.
-    pub folder: String,
-    name: String,
     /// Why it cannot be exported.
     pub problem: Option<String>,
-}
-
-/// The answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SequenceAnswer {
-    /// Begin.
-    Export,
-    /// Ask for the folder.
-    ChooseFolder,
-    /// Leave it.
-    Cancel,
 }
 
 impl SequenceDialog {
@@ -58,15 +36,9 @@ impl SequenceDialog {
     pub fn new(look: &Look, folder: &Path) -> Self {
         Self {
             settings: SequenceSettings { turn: Some(Turn::Camera), ..Default::default() },
-            size: look.view.size,
-            samples: look.view.aa,
-            png: true,
-            exr: false,
-            layers: false,
+            output: Output::new(look.view.size, look.view.aa, folder.join("sequence"), "frame.####"),
             sheet: true,
             existing: Existing::Refuse,
-            folder: folder.join("sequence").display().to_string(),
-            name: "frame.####".into(),
             problem: None,
         }
     }
@@ -76,46 +48,31 @@ impl SequenceDialog {
     /// # Errors
     /// The problem, in words.
     pub fn task(&self, look: &Look) -> Result<SequenceTask> {
-        let mut look = look.clone();
-        (look.view.size, look.view.aa) = (self.size, self.samples);
-        let folder = PathBuf::from(self.folder.trim());
-        if self.folder.trim().is_empty() {
-            bail!("the frames need a folder; choose one");
-        }
-        let formats = [("png", self.png), ("exr", self.exr)].into_iter().filter(|(_, wanted)| *wanted);
-        let name = |extension| folder.join(format!("{}.{extension}", self.name.trim()));
-        let outputs = formats.map(|(e, _)| FrameNames::new(&name(e))).collect::<Result<Vec<_>>>()?;
-        if outputs.is_empty() {
-            bail!("no format is chosen; choose PNG, EXR or both");
-        }
-        let list = (self.exr && self.layers).then_some(LayerList::All);
-        let layers = wanted_layers(list.as_ref(), &look)?;
+        let (mut look, output) = (look.clone(), &self.output);
+        (look.view.size, look.view.aa) = (output.size, output.samples);
+        let folder = output.folder()?;
+        let name = |extension| folder.join(format!("{}.{extension}", output.name.trim()));
+        let outputs = output.formats()?.into_iter().map(|format| FrameNames::new(&name(format)));
+        let outputs = outputs.collect::<Result<Vec<_>>>()?;
+        let layers = wanted_layers(output.layers().as_ref(), &look)?;
         let frames = plan(&look, &self.settings)?;
         let sheet = self.sheet.then(|| SheetTask { path: folder.join(SHEET), columns: None });
         Ok(SequenceTask { frames, outputs, layers, existing: self.existing, sheet })
     }
 
     /// Shows the dialog; `pixel_secs` is the time of a sample of a pixel, if known.
-    pub fn show(&mut self, ctx: &Context, look: &Look, pixel_secs: Option<f64>) -> Option<SequenceAnswer> {
-        let modal = Modal::new(egui::Id::unique("sequence")).show(ctx, |ui| {
-            ui.set_width(WIDTH);
-            ui.heading("Export a sequence");
-            ui.add_space(6.0);
-            let grid = Grid::new("sequence fields").num_columns(2).spacing([14.0, 7.0]);
-            let chosen = grid.show(ui, |ui| {
+    pub fn show(&mut self, ctx: &Context, look: &Look, pixel_secs: Option<f64>) -> Option<Answer> {
+        dialog(ctx, "Export a sequence", |ui| {
+            let chosen = rows(ui, "sequence fields", |ui| {
                 self.turn_row(ui);
                 self.sweep_rows(ui, look);
                 self.frame_rows(ui);
                 self.file_rows(ui)
             });
-            ui.add_space(6.0);
-            ui.weak(self.estimate(pixel_secs));
-            if let Some(problem) = &self.problem {
-                copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color));
-            }
-            buttons(ui).or(chosen.inner)
-        });
-        modal.inner.or(modal.should_close().then_some(SequenceAnswer::Cancel))
+            let frames = self.settings.frames;
+            let estimate = format!("{frames} frames of {}", self.output.estimate(frames, pixel_secs));
+            footer(ui, &estimate, self.problem.as_deref()).or(chosen)
+        })
     }
 
     fn turn_row(&mut self, ui: &mut Ui) {
@@ -167,42 +124,23 @@ impl SequenceDialog {
         ui.end_row();
         ui.label("Size");
         ui.horizontal(|ui| {
-            let [width, height] = &mut self.size;
-            ui.add(DragValue::new(width).range(1..=16_384)).accessible_name("Frame width");
-            ui.label("x");
-            ui.add(DragValue::new(height).range(1..=16_384)).accessible_name("Frame height");
+            self.output.size_entries(ui, "Frame");
             ui.label("pixels,");
-            ui.add(DragValue::new(&mut self.samples).range(1..=256)).accessible_name("Frame samples");
+            self.output.samples_entry(ui, "Frame");
             ui.label("samples each");
         });
         ui.end_row();
     }
 
-    fn file_rows(&mut self, ui: &mut Ui) -> Option<SequenceAnswer> {
+    fn file_rows(&mut self, ui: &mut Ui) -> Option<Answer> {
         ui.label("Format");
         ui.horizontal(|ui| {
-            check_box(ui, &mut self.png, "PNG").on_hover_text("As displayed");
-            check_box(ui, &mut self.exr, "EXR").on_hover_text("Scene-linear, 32-bit float");
-            ui.add_enabled_ui(self.exr, |ui| {
-                check_box(ui, &mut self.layers, "with layers").on_hover_text(
-                    "Write parts of the light, surface data and work as layers; takes about four times as long",
-                );
-            });
+            self.output.format_boxes(ui);
             check_box(ui, &mut self.sheet, "Contact sheet")
                 .on_hover_text(format!("All frames in one picture, {SHEET}"));
         });
         ui.end_row();
-        ui.label("Folder");
-        let chosen = ui.horizontal(|ui| {
-            let field = TextEdit::singleline(&mut self.folder).desired_width(FIELD);
-            ui.add(field).accessible_name("Folder of the frames");
-            ui.button("Choose...").clicked().then_some(SequenceAnswer::ChooseFolder)
-        });
-        ui.end_row();
-        ui.label("Name");
-        let field = TextEdit::singleline(&mut self.name).desired_width(FIELD);
-        ui.add(field).accessible_name("Name of the frames").on_hover_text("#### becomes the frame number");
-        ui.end_row();
+        let chosen = self.output.place_rows(ui, "frames", "#### becomes the frame number");
         ui.label("Existing files");
         ui.horizontal(|ui| {
             for (choice, name, help) in [
@@ -214,25 +152,7 @@ impl SequenceDialog {
             }
         });
         ui.end_row();
-        chosen.inner
-    }
-
-    /// Number of frames, and their time at the pace of the window's picture.
-    fn estimate(&self, pixel_secs: Option<f64>) -> String {
-        let frames = self.settings.frames;
-        let pixels = f64::from(self.size[0]) * f64::from(self.size[1]) * f64::from(self.samples) * f64::from(frames);
-        let layers = if self.exr && self.layers { LAYERS } else { 1.0 };
-        let time = pixel_secs.map(|secs| format!(", about {}", duration(secs * pixels * layers)));
-        format!("{frames} frames of {} x {} pixels{}", self.size[0], self.size[1], time.unwrap_or_default())
-    }
-}
-
-/// Seconds in the unit that fits.
-pub fn duration(secs: f64) -> String {
-    match secs {
-        secs if secs < 90.0 => format!("{:.0} s", secs.max(1.0)),
-        secs if secs < 5400.0 => format!("{:.0} min", secs / 60.0),
-        secs => format!("{:.1} h", secs / 3600.0),
+        chosen
     }
 }
 
@@ -254,19 +174,6 @@ fn turn_help(turn: Option<Turn>) -> &'static str {
         Some(Turn::Environment) => "Turn the environment",
         Some(Turn::Lights) => "Turn the local lights around the camera's target",
     }
-}
-
-fn buttons(ui: &mut Ui) -> Option<SequenceAnswer> {
-    ui.add_space(10.0);
-    let mut answer = None;
-    ui.horizontal(|ui| {
-        for (text, meaning) in [("Export", SequenceAnswer::Export), ("Cancel", SequenceAnswer::Cancel)] {
-            if ui.add(Button::new(text).min_size([84.0, 24.0].into())).clicked() {
-                answer = Some(meaning);
-            }
-        }
-    });
-    answer
 }
 
 /// Shows one sweep; returns whether to remove it.
@@ -410,14 +317,9 @@ mod tests {
             change(&mut dialog);
             dialog.task(&look).unwrap_err().to_string()
         };
-        assert!(problem(&|d| d.png = false).contains("no format"));
-        assert!(problem(&|d| d.folder = "  ".into()).contains("folder"));
-        assert!(problem(&|d| d.name = "frame".into()).contains("####"));
+        assert!(problem(&|d| d.output.png = false).contains("no format"));
+        assert!(problem(&|d| d.output.folder = "  ".into()).contains("folder"));
+        assert!(problem(&|d| d.output.name = "frame".into()).contains("####"));
         assert!(problem(&|d| d.settings.turn = None).contains("nothing changes"));
-    }
-
-    #[test]
-    fn times_are_in_the_unit_that_fits() {
-        assert_eq!([0.2, 45.0, 600.0, 7200.0].map(duration), ["1 s", "45 s", "10 min", "2.0 h"]);
     }
 }

@@ -1,8 +1,9 @@
 //! Export of sequences, layered pictures and materials: the dialog, the job, and its messages.
 
 use super::{
-    dialog::{SequenceAnswer, SequenceDialog},
-    pictures::{PicturesAnswer, PicturesDialog},
+    dialog::SequenceDialog,
+    output::Answer,
+    pictures::PicturesDialog,
     state::{Exporting, Run},
 };
 use crate::{
@@ -52,7 +53,7 @@ impl Exporting {
             ExportAction::DescribeSequence => self.describe_sequence(work, exported),
             ExportAction::SequenceFolder(Some(folder)) => self.choose_sequence_folder(&folder),
             ExportAction::PicturesFolder(Some(folder)) => {
-                self.pictures.iter_mut().for_each(|dialog| dialog.folder = folder.display().to_string());
+                self.pictures.iter_mut().for_each(|dialog| dialog.output.folder = folder.display().to_string());
             }
             ExportAction::Cancel => self.cancel(),
             // The picture feature performs `Picture`; a dialog asks for missing paths first.
@@ -74,7 +75,7 @@ impl Exporting {
     /// Takes the folder chosen for the frames.
     fn choose_sequence_folder(&mut self, folder: &Path) {
         if let Some(dialog) = &mut self.dialog {
-            dialog.folder = folder.display().to_string();
+            dialog.output.folder = folder.display().to_string();
         }
     }
 
@@ -90,9 +91,9 @@ impl Exporting {
         let Some(mut dialog) = self.dialog.take() else { return };
         let Some((look, baked)) = exported else { return };
         match dialog.show(ctx, &look, pixel_secs) {
-            Some(SequenceAnswer::Cancel) => return,
-            Some(SequenceAnswer::ChooseFolder) => actions.push(Action::Export(ExportAction::SequenceFolder(None))),
-            Some(SequenceAnswer::Export) => match self.begin_sequence(work, &dialog, &look, baked) {
+            Some(Answer::Cancel) => return,
+            Some(Answer::ChooseFolder) => actions.push(Action::Export(ExportAction::SequenceFolder(None))),
+            Some(Answer::Export) => match self.begin_sequence(work, &dialog, &look, baked) {
                 Ok(()) => return,
                 Err(error) => dialog.problem = Some(error_text(&error)),
             },
@@ -120,9 +121,9 @@ impl Exporting {
         let Some(mut dialog) = self.pictures.take() else { return };
         let Some(shown) = shown else { return };
         match dialog.show(ctx, pixel_secs) {
-            Some(PicturesAnswer::Cancel) => return,
-            Some(PicturesAnswer::ChooseFolder) => actions.push(Action::Export(ExportAction::PicturesFolder(None))),
-            Some(PicturesAnswer::Render) => match self.begin_pictures(work, &dialog, &shown) {
+            Some(Answer::Cancel) => return,
+            Some(Answer::ChooseFolder) => actions.push(Action::Export(ExportAction::PicturesFolder(None))),
+            Some(Answer::Export) => match self.begin_pictures(work, &dialog, &shown) {
                 Ok(()) => return,
                 Err(error) => dialog.problem = Some(error_text(&error)),
             },
@@ -141,7 +142,7 @@ impl Exporting {
             anyhow::bail!(UNDER_WAY);
         }
         let (task, files) = dialog.task(shown)?;
-        create_folder(Path::new(dialog.folder.trim()))?;
+        create_folder(&dialog.output.folder()?)?;
         files.reads(work.inputs(Written::Other)).check()?;
         self.start(work, task, shown.baked.clone());
         Ok(())

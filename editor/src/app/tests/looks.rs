@@ -153,7 +153,7 @@ fn what_is_shown_is_exported_in_another_size_and_no_file_is_lost() {
         ] {
             fill(window, field, text);
         }
-        window.click("Render");
+        window.click("Export");
     };
     describe(&mut window);
     window.wait("the end of the export", |s| !s.exporting.is_running());
@@ -163,7 +163,7 @@ fn what_is_shown_is_exported_in_another_size_and_no_file_is_lost() {
     assert!(window.shows("1 of 1 files are there already"), "and it is not lost");
     assert_eq!(std::fs::read(folder.join("hero.png")).unwrap(), b"mine");
     window.click("Replace existing");
-    window.click("Render");
+    window.click("Export");
     window.wait("the end of the export", |s| !s.exporting.is_running());
     assert_eq!(image::read(&folder.join("hero.png")).unwrap().size, [24, 16]);
 }
@@ -188,10 +188,10 @@ fn looks_are_rendered_to_files() {
         fill(&mut window, field, text);
     }
     window.click("PNG");
-    window.click("Render");
+    window.click("Export");
     assert!(window.shows("no format is chosen"), "the dialog says why it does not begin");
     window.click("PNG");
-    window.click("Render");
+    window.click("Export");
     window.wait("the end of the export", |s| !s.exporting.is_running());
     assert!(window.has_said("2 pictures written"));
     let read = |name: &str| image::read(&folder.join(name)).unwrap();
