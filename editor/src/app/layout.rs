@@ -245,7 +245,8 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
             false => "Opacity was edited; bake again to update its shadows",
         })
     };
-    state.baking.words(state.work.scene.seen()).or_else(opacity)
+    let shown = baked.dataset.settings.mode;
+    state.baking.words(state.work.scene.seen(), shown).or_else(opacity)
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {

@@ -136,8 +136,11 @@ impl Baking {
     }
 
     /// A short note over the picture about its bake.
-    pub fn words(&self, seen: BakeStage) -> Option<&'static str> {
+    pub fn words(&self, seen: BakeStage, shown: BakeParts) -> Option<&'static str> {
         match (seen, self.run.is_some()) {
+            // Local lights have their shadows without a bake.
+            (BakeStage::Unshadowed, true) if !shown.environment() => Some("No bounced light yet; baking"),
+            (BakeStage::Unshadowed, false) if !shown.environment() => Some("No bounced light yet"),
             (BakeStage::Unshadowed, true) => Some("No shadows yet; baking"),
             (BakeStage::Unshadowed, false) => Some("No shadows yet"),
             (BakeStage::Draft, true) => Some("Draft; full bake running"),

@@ -181,6 +181,7 @@ impl ComparisonPanel {
     /// Label of the picture.
     pub fn picture_label(&self, cuts: Cuts) -> String {
         match cuts.size() {
+            _ if self.kind == KindChoice::Look => "A: as shown".into(),
             Some(_) => format!("A: illumination cut of {}", cuts.label()),
             None => "A: lit cuts".into(),
         }

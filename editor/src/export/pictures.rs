@@ -127,11 +127,8 @@ impl PicturesDialog {
 
     fn look_rows(&mut self, ui: &mut Ui) {
         ui.label("Pictures");
-        ScrollArea::vertical().max_height(LIST).show(ui, |ui| {
-            for (name, wanted) in &mut self.chosen {
-                check_box(ui, wanted, name);
-            }
-        });
+        let choices = |ui: &mut Ui| self.chosen.iter_mut().for_each(|(name, wanted)| drop(check_box(ui, wanted, name)));
+        ui.vertical(|ui| ScrollArea::vertical().max_height(LIST).show(ui, choices));
         ui.end_row();
     }
 

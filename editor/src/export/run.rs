@@ -10,6 +10,7 @@ use crate::{
     actions::{Action, ExportAction},
     document::folder_of,
     looks::PictureOfDocument,
+    preferences::FileUse,
     workspace::{Workspace, Written},
 };
 use egui::Context;
@@ -106,7 +107,9 @@ impl Exporting {
     pub fn describe_pictures(&mut self, work: &Workspace, shown: &PictureOfDocument) {
         let file = work.file().map_or_else(|| PathBuf::from("picture"), Into::into);
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        self.pictures = Some(PicturesDialog::new(shown, &folder_of(&file).join("pictures"), &name));
+        let last = work.preferences.folders.of(FileUse::Picture);
+        let folder = last.unwrap_or_else(|| folder_of(&file).join("pictures"));
+        self.pictures = Some(PicturesDialog::new(shown, &folder, &name));
     }
 
     /// Shows the dialog for pictures of looks, if it is open, and acts on its answer.
