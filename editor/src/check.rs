@@ -1,7 +1,9 @@
 //! `lapidary check`: whether all files of a session are there and can be read, without a window.
 
-use crate::document::EnvironmentSettings;
-use crate::document::session::{self, LoadedSession, SessionError, SessionLight};
+use crate::document::{
+    EnvironmentSettings,
+    session::{self, LoadedSession, SessionError, SessionLight},
+};
 use anyhow::{Result, bail};
 use clap::Args;
 use lapidary_core::{dataset::Dataset, scene::Scene};
