@@ -136,7 +136,10 @@ impl Checked {
 mod tests {
     use super::*;
     use crate::{
-        document::{Document, TextureEntry},
+        document::{
+            Document, TextureEntry,
+            looks::{LookState, NamedLook},
+        },
         test_support::write_picture,
     };
     use lapidary_core::{test_scenes::dataset, texture::TextureSlot};
@@ -156,6 +159,10 @@ mod tests {
             document.textures.push(TextureEntry { texture, file: Some(place.path("linen.png")) });
             document.materials[0].maps.set("base_color", Some(TextureSlot::default()));
             document.environment.spec = place.path("room.png").display().to_string();
+            write_picture(&place.path("night.png"));
+            let mut night = document.clone();
+            night.environment.spec = place.path("night.png").display().to_string();
+            document.looks = vec![NamedLook { name: "Night".into(), state: LookState::of(&night) }];
             session::save(&document, &Default::default(), &place.path("look.lapidary")).unwrap();
             place
         }
@@ -181,13 +188,13 @@ mod tests {
         for (kind, name) in [("dataset", "a.cuts"), ("environment", "room.png"), ("texture", "linen.png")] {
             assert!(checked.named.iter().any(|(k, which)| *k == kind && which.ends_with(name)), "{kind}");
         }
-        assert!(checked.text().contains("lights      0\n"));
+        assert!(checked.text().contains("lights      0\n") && checked.text().contains("look        Night\n"));
         assert_eq!(place.run().unwrap(), Outcome::Done);
     }
 
     #[test]
     fn each_file_that_is_missing_or_damaged_is_a_problem_that_names_it() {
-        for name in ["a.cuts", "room.png", "linen.png"] {
+        for name in ["a.cuts", "room.png", "linen.png", "night.png"] {
             let damages: [fn(&Path) -> std::io::Result<()>; 2] =
                 [|path| std::fs::remove_file(path), |path| std::fs::write(path, b"not what it was")];
             for damage in damages {

@@ -161,7 +161,10 @@ pub fn as_base_color(material: usize, path: PathBuf) -> Action {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_support::document_with_a_map as document;
+    use crate::{
+        document::looks::{LookState, NamedLook},
+        test_support::document_with_a_map as document,
+    };
 
     #[test]
     fn a_picture_elsewhere_that_only_the_scene_names_is_not_read_unless_allowed() {
@@ -189,7 +192,11 @@ mod tests {
         let mut document = document(Some("/a/wood.png".into()));
         document.environment.spec = "/a/sky.hdr".into();
         assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr"), "/a/wood.png".into()]);
+        let look = NamedLook { name: "Day".into(), state: LookState::of(&document) };
         document.materials[0].maps.set("base_color", None);
         assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr")]);
+        document.environment.spec = "studio".into();
+        document.looks = vec![look];
+        assert_eq!(files_in_use(&document), [PathBuf::from("/a/sky.hdr"), "/a/wood.png".into()], "of a look alone");
     }
 }

@@ -68,6 +68,13 @@ fn looks_are_switched_by_their_pictures_and_keys_and_an_undo_leads_back() {
     assert_eq!(state(&window), second, "there is no ninth look");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(state(&window), first);
+    let material = window.0.state().work.document.materials[0].clone();
+    let added = Edit::Added { material: Some(Box::new(material)), assigned: Default::default() };
+    window.perform(Action::Edit { edit: added, label: "Add material" });
+    let last = window.0.state().work.document.materials.len() - 1;
+    window.perform(Action::Select(crate::actions::SelectAction::Material(Some(last))));
+    window.click("Show Look 1");
+    assert_eq!(window.0.state().work.selection.material, None, "what the look does not have is not selected");
     let parts = show_look(&window.0.state().work.document, 1, LookPart::Light);
     parts.into_iter().for_each(|action| window.perform(action));
     assert_eq!(state(&window), (first.0, second.1, first.2), "only its light");

@@ -66,6 +66,7 @@ fn what_is_wrong_in_a_look_costs_nothing_else() {
     json["looks"][0]["environment"]["intensity"] = json!("much");
     json["looks"][0]["environment"]["fog"] = json!(1);
     json["looks"][0]["mood"] = json!("calm");
+    json["looks"][1]["mood"] = json!("cold");
     json["looks"][0]["camera"]["target"] = json["looks"][0]["camera"]["eye"].clone();
     json["looks"][1]["name"] = json!("Blue");
     json["looks"].as_array_mut().unwrap().push(json!(7));
@@ -89,4 +90,5 @@ fn what_is_wrong_in_a_look_costs_nothing_else() {
         (&json!("calm"), &json!(1)),
         "what is unknown"
     );
+    assert_eq!(written[1]["mood"], json!("cold"), "also of a look that has got another name");
 }
