@@ -238,7 +238,8 @@ mod tests {
         let text = std::fs::read_to_string(place.path("look.lapidary")).unwrap();
         std::fs::write(place.path("look.lapidary"), text.replace("\"intensity\": 1.0", "\"intensity\": -1.0")).unwrap();
         let problems = place.check().problems;
-        assert!(problems.len() == 1 && problems[0].contains("intensity"), "{problems:?}");
+        assert!(problems.len() == 2 && problems[0].starts_with("the intensity"), "{problems:?}");
+        assert!(problems[1].starts_with("in the look \"Night\", the intensity"), "{problems:?}");
     }
 
     #[test]

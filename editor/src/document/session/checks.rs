@@ -58,10 +58,13 @@ impl Checks<'_> {
                 });
                 look.name = name;
             }
+            let told = self.warnings.len();
             look.materials.iter_mut().for_each(|materials| self.materials(materials));
             look.light.iter_mut().for_each(|light| self.light(light));
             look.view.iter_mut().for_each(|view| self.view(view));
             look.camera.take_if(|camera| !self.camera_is_usable(camera, "the look leaves the camera where it is"));
+            let of_look = &mut self.warnings[told..];
+            of_look.iter_mut().for_each(|warning| *warning = format!("in the look \"{}\", {warning}", look.name));
         }
     }
 
