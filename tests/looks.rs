@@ -65,6 +65,9 @@ fn looks_are_listed_and_rendered_one_by_one_and_all() {
     let stays = whole(&red, 0) / whole(&shown, 0);
     assert!((stays - 1.0).abs() < 0.05, "its red stays: {stays}");
     assert!(dim == picture(&folder, "all-Dim.exr"), "the same by itself and among all");
+    write(&folder, |session| session["looks"][1]["name"] = "dim".into());
+    let told = folder.succeed(&format!("render a.lapidary --all {SMALL} --out all.exr"));
+    assert!(told.contains("all-Dim.exr:") && told.contains("all-dim 2.exr:"), "told apart on every system: {told}");
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Export of sequences, layered pictures and materials: the dialog, the job, and its messages.
 
-mod dialog;
 mod output;
 mod pictures;
 mod run;
+mod sequence;
 mod state;
 
 pub use run::Exported;

@@ -5,9 +5,8 @@ mod panel;
 mod picture;
 mod thumbnails;
 
-pub use command::file_name;
 pub use panel::{LooksContext, LooksPanel, show};
-pub use picture::{Maps, PictureOfDocument};
+pub use picture::{Maps, PictureOfDocument, file_names};
 
 use crate::{
     actions::Action,

@@ -3,12 +3,11 @@
 use super::output::{Answer, Output, dialog, footer, rows};
 use crate::{
     document::looks::LookState,
-    looks::{Maps, PictureOfDocument, file_name},
+    looks::{Maps, PictureOfDocument, file_names},
     widgets::check_box,
 };
 use anyhow::{Result, bail};
 use egui::{Context, ScrollArea, Ui};
-use lapidary_core::names::told_apart;
 use lapidary_studies::{
     args::check_memory,
     export::LayerList,
@@ -155,24 +154,5 @@ impl PicturesDialog {
         check_box(ui, &mut self.replaces, "Replace existing").on_hover_text("Write files anew that exist already");
         ui.end_row();
         chosen
-    }
-}
-
-/// Names of files for looks, which differ in more than upper and lower case: some systems take no notice of that.
-fn file_names<'a>(looks: impl Iterator<Item = &'a String>) -> Vec<String> {
-    let plain: Vec<String> = looks.map(|look| file_name(look)).collect();
-    let apart = told_apart(plain.iter().map(|name| name.to_lowercase()).collect());
-    let numbered = |(name, apart): (&String, &String)| format!("{name}{}", &apart[name.to_lowercase().len()..]);
-    plain.iter().zip(&apart).map(numbered).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn files_of_looks_are_told_apart_on_every_system() {
-        let names = ["Day", "day", "Red/1", "Red-1"].map(String::from);
-        assert_eq!(file_names(names.iter()), ["Day", "day 2", "Red-1", "Red-1 2"]);
     }
 }

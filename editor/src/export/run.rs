@@ -1,9 +1,9 @@
 //! Export of sequences, layered pictures and materials: the dialog, the job, and its messages.
 
 use super::{
-    dialog::SequenceDialog,
     output::Answer,
     pictures::PicturesDialog,
+    sequence::SequenceDialog,
     state::{Exporting, Run},
 };
 use crate::{

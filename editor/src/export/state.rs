@@ -1,6 +1,6 @@
 //! The running export, and the dialog that describes the next.
 
-use super::{dialog::SequenceDialog, output::duration, pictures::PicturesDialog};
+use super::{output::duration, pictures::PicturesDialog, sequence::SequenceDialog};
 use lapidary_studies::jobs::export::ExportRun;
 use std::time::Instant;
 

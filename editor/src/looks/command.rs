@@ -1,6 +1,6 @@
 //! `lapidary looks`, and `lapidary render` of a session.
 
-use super::{Maps, PictureOfDocument};
+use super::{Maps, PictureOfDocument, file_names};
 use crate::{
     document::{
         Document,
@@ -162,8 +162,10 @@ impl RenderSessionArgs {
             if document.looks.is_empty() {
                 bail!("the session has no looks; add one in the window, or leave --all out ({})", self.file.display());
             }
-            let files = |look: &NamedLook| self.out.iter().map(|path| with_name(path, &look.name)).collect();
-            return Ok(document.looks.iter().map(|look| (Some(look.clone()), files(look))).collect());
+            let names = file_names(document.looks.iter().map(|look| &look.name));
+            let files = |name: &String| self.out.iter().map(|path| with_name(path, name)).collect();
+            let looks = document.looks.iter().zip(&names);
+            return Ok(looks.map(|(look, name)| (Some(look.clone()), files(name))).collect());
         }
         let named = |name: &String| {
             let names = document.looks.iter().map(|look| format!("\"{}\"", look.name)).collect::<Vec<_>>().join(", ");
@@ -191,17 +193,11 @@ impl RenderSessionArgs {
     }
 }
 
-/// The path of a picture of a look: its name comes before the extension.
+/// The path of a picture of a look, whose name in files comes before the extension.
 fn with_name(path: &Path, name: &str) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{}.{extension}", file_name(name)))
-}
-
-/// The name of a look in names of files.
-pub fn file_name(look: &str) -> String {
-    let plain = |c: char| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '-' };
-    look.chars().map(plain).collect()
+    path.with_file_name(format!("{stem}-{name}.{extension}"))
 }
 
 #[cfg(test)]
@@ -210,9 +206,9 @@ mod tests {
 
     #[test]
     fn names_of_looks_become_names_of_files() {
-        let name = |look: &str| with_name(Path::new("out/a.png"), look);
-        assert_eq!(name("Blue car"), Path::new("out/a-Blue car.png"));
-        assert_eq!(name("../b:c"), Path::new("out/a-..-b-c.png"), "no other folder");
+        let named = |look: &str| with_name(Path::new("out/a.png"), &file_names([look.to_owned()].iter())[0]);
+        assert_eq!(named("Blue car"), Path::new("out/a-Blue car.png"));
+        assert_eq!(named("../b:c"), Path::new("out/a-..-b-c.png"), "no other folder");
     }
 
     #[test]

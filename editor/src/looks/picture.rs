@@ -5,7 +5,7 @@ use crate::{
     look::look_of,
 };
 use anyhow::Result;
-use lapidary_core::{environment::Environment, scene::pose::Poses, texture::ColorSpace};
+use lapidary_core::{environment::Environment, names::told_apart, scene::pose::Poses, texture::ColorSpace};
 use lapidary_interchange::environment;
 use lapidary_render::{Baked, Look};
 use std::sync::Arc;
@@ -46,6 +46,20 @@ impl Maps {
     }
 }
 
+/// Names of files for looks, which differ in more than upper and lower case: some systems take no notice of that.
+pub fn file_names<'a>(looks: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let plain: Vec<String> = looks.map(|look| file_name(look)).collect();
+    let apart = told_apart(plain.iter().map(|name| name.to_lowercase()).collect());
+    let numbered = |(name, apart): (&String, &String)| format!("{name}{}", &apart[name.to_lowercase().len()..]);
+    plain.iter().zip(&apart).map(numbered).collect()
+}
+
+/// The name of a look in names of files.
+fn file_name(look: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '-' };
+    look.chars().map(plain).collect()
+}
+
 impl PictureOfDocument {
     /// With a look in place.
     #[must_use]
@@ -65,5 +79,16 @@ impl PictureOfDocument {
         let mut look = look_of(document, Some(baked), environment, (assigned, poses.clone()), *size);
         look.view.aa = aa.unwrap_or(look.view.aa);
         Ok(look)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_looks_are_told_apart_on_every_system() {
+        let names = ["Day", "day", "Red/1", "Red-1"].map(String::from);
+        assert_eq!(file_names(names.iter()), ["Day", "day 2", "Red-1", "Red-1 2"]);
     }
 }
