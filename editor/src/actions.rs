@@ -1,7 +1,7 @@
 //! Requests of the interface. Panels only read the document; every change that they ask for is an [`Action`].
 
 use crate::{
-    document::{Edit, lights::LightKind},
+    document::{Edit, handling::PlacedPivot, lights::LightKind},
     preferences::Preferences,
 };
 use glam::Vec3;
@@ -153,6 +153,12 @@ pub enum PoseAction {
     ClipTime(Option<ClipTime>),
     /// Play the animation, or stop.
     Play,
+    /// Wait for a click that places the pivot of the selected object.
+    AskForPivot,
+    /// Place the pivot of the active object, in the world, and end the wait; without a pivot only end it.
+    PlacePivot(Option<PlacedPivot>),
+    /// Show these objects alone, or end that.
+    Isolate(Vec<u32>),
 }
 
 /// A request about materials, and parts that have them.

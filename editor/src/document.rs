@@ -5,6 +5,7 @@ mod components;
 mod edit;
 mod environment;
 pub mod fitting;
+pub mod handling;
 mod history;
 pub mod library;
 pub mod lights;
@@ -26,6 +27,7 @@ pub use relative::{absolute, folder_of};
 pub use view::{BackgroundKind, ShownMaterials, ViewSettings};
 
 use glam::Vec3;
+use handling::HandlingOfObjects;
 use lapidary_core::{
     animation::ClipTime,
     camera::Camera,
@@ -62,6 +64,8 @@ pub struct Document {
     pub objects: Vec<String>,
     /// Objects moved from their place in the file.
     pub poses: Poses,
+    /// How objects are handled otherwise than usual.
+    pub handling: HandlingOfObjects,
     /// The shown time of an animation; `None` at rest.
     pub clip_time: Option<ClipTime>,
     /// The material of the ground while none is shown.
@@ -110,6 +114,7 @@ impl Document {
             assigned: Assignment::new(),
             objects: Vec::new(),
             poses: Poses::default(),
+            handling: HandlingOfObjects::new(),
             clip_time: None,
             hidden_ground: None,
             textures: Vec::new(),

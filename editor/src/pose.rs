@@ -22,9 +22,26 @@ pub struct Posing {
     pub tool: Option<Tool>,
     /// The pivot about which several objects turn and scale.
     pub pivot: Pivot,
+    /// Whether the next click into the viewport places the pivot of the active object.
+    pub placing_pivot: bool,
+    /// Objects that are hidden since others were isolated.
+    isolated: Vec<u32>,
     /// How clips play.
     pub timeline: Timeline,
     cache: PoseCache,
+}
+
+impl Posing {
+    /// Whether objects are hidden since others were isolated.
+    pub fn is_isolated(&self) -> bool {
+        !self.isolated.is_empty()
+    }
+
+    /// Another document is open.
+    pub fn forget_document(&mut self) {
+        (self.timeline.playing, self.placing_pivot) = (false, false);
+        self.isolated.clear();
+    }
 }
 
 /// Poses of a document relative to a bake: its own, and those of its animation at its time. Objects without a pose at that time

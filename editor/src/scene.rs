@@ -1,13 +1,14 @@
 //! The outliner: objects with their materials, materials, and cameras.
 
 mod bookmarks;
+pub mod object_menu;
 mod pose;
 #[cfg(test)]
 mod tests;
 
 use crate::{
     actions::{Action, CameraAction, FileAction, MaterialAction, SelectAction},
-    document::{Document, Edit},
+    document::Document,
     dragged::Dragged,
     viewport::gizmo::{Pivot, Subject},
     widgets::{eye, outline, section},
@@ -20,7 +21,6 @@ use lapidary_core::{
     dataset::Dataset,
     material::Material,
     parts::{Part, Variants},
-    scene::pose::Pose,
 };
 use std::collections::BTreeSet;
 
@@ -47,16 +47,36 @@ pub struct SceneContext<'a> {
     pub other_objects: &'a [u32],
     /// The selected objects that can be posed, the active one first.
     pub posable: &'a [Subject],
+    /// Whether the next click into the viewport places the pivot of the active object.
+    pub placing_pivot: bool,
     /// The selected material.
     pub selected_material: Option<usize>,
+}
+
+impl SceneContext<'_> {
+    /// The selected objects other than the ground, the active one first.
+    fn selected_objects(&self) -> Vec<u32> {
+        let ground = self.dataset.and_then(|dataset| dataset.scene.mesh.ground_object());
+        let selected = self.selected_object.into_iter().chain(self.other_objects.iter().copied());
+        selected.filter(|&object| Some(object) != ground).collect()
+    }
 }
 
 /// State of the panel between frames.
 #[derive(Default)]
 pub struct ScenePanel {
     filter: String,
+    /// The active object that the list has scrolled to.
+    scrolled_to: Option<u32>,
     renaming: Option<bookmarks::Renaming>,
     object_materials: ObjectMaterials,
+}
+
+impl ScenePanel {
+    /// Another document is open.
+    pub fn forget_document(&mut self) {
+        (self.filter, self.renaming, self.scrolled_to) = (String::new(), None, None);
+    }
 }
 
 /// Shows the panel.
@@ -72,7 +92,10 @@ pub fn show(
     let wanted = state.filter.trim().to_lowercase();
     if let Some(dataset) = context.dataset {
         state.object_materials.update(dataset);
-        objects(ui, context, dataset, &state.object_materials, &wanted, actions);
+        let is_new = state.scrolled_to != context.selected_object;
+        state.scrolled_to = context.selected_object;
+        let scroll_to = context.selected_object.filter(|_| is_new);
+        objects(ui, context, dataset, &state.object_materials, (&wanted, scroll_to), actions);
     }
     pose::show(ui, pivot, context, actions);
     materials(ui, context, &wanted, actions);
@@ -107,11 +130,12 @@ fn objects(
     context: &SceneContext,
     dataset: &Dataset,
     materials: &ObjectMaterials,
-    wanted: &str,
+    (wanted, scroll_to): (&str, Option<u32>),
     actions: &mut Vec<Action>,
 ) {
     let names: Vec<&str> = dataset.scene.objects.iter().map(|o| o.name.as_str()).collect();
-    list(ui, "Objects", &names, wanted, |ui, index| {
+    let scroll_to = scroll_to.map(|object| object as usize);
+    list(ui, "Objects", &names, (wanted, scroll_to), |ui, index| {
         let right_to_left = Layout::right_to_left(egui::Align::Center);
         ui.with_layout(right_to_left, |ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
@@ -122,6 +146,12 @@ fn objects(
             }
             ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
                 object_eye(ui, context, index as u32, names[index], actions);
+                if context.document.handling_of(index as u32).locked {
+                    let unlock = ui.add(Button::new("🔒").small().frame(false)).on_hover_text("Unlock");
+                    if unlock.accessible_name(format!("Unlock {}", names[index])).clicked() {
+                        actions.extend(object_menu::lock(context.document, &[index as u32], false));
+                    }
+                }
                 object_name(ui, context, index as u32, names[index], actions);
             });
         });
@@ -139,8 +169,7 @@ fn object_eye(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, acti
 
 /// Hides objects or shows them, as one step of undo.
 pub fn hide(document: &Document, objects: impl IntoIterator<Item = u32>, hidden: bool) -> [Action; 2] {
-    let posed = |object: u32| (object, Pose { hidden, ..document.poses.of(object) });
-    let edit = Edit::Poses(objects.into_iter().map(posed).collect());
+    let edit = document.hiding(objects, hidden);
     [Action::Edit { edit, label: if hidden { "Hide" } else { "Show" } }, Action::EndGesture]
 }
 
@@ -164,7 +193,12 @@ fn object_name(ui: &mut Ui, context: &SceneContext, object: u32, name: &str, act
             Action::Select(SelectAction::Object(Some(object)))
         });
     }
-    let help = "Ctrl-click to add it to the selection or remove it, double-click to frame it";
+    let is_selected = is_active || moves_along;
+    if name.secondary_clicked() && !is_selected {
+        actions.push(Action::Select(SelectAction::Object(Some(object))));
+    }
+    name.context_menu(|ui| object_menu::show(ui, context.document, &context.selected_objects(), actions));
+    let help = "Ctrl-click to add it to the selection or remove it, double-click to frame it, right-click for more";
     if name.on_hover_text(help).double_clicked() && !adds {
         actions.push(Action::Camera(CameraAction::FrameSelection));
     }
@@ -185,7 +219,7 @@ fn materials(ui: &mut Ui, context: &SceneContext, wanted: &str, actions: &mut Ve
     let materials = &context.document.materials;
     let names: Vec<String> = (0..materials.len()).map(|i| context.document.material_name(i)).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    list(ui, "Materials", &names, wanted, |ui, index| {
+    list(ui, "Materials", &names, (wanted, None), |ui, index| {
         swatch(ui, &materials[index], Sense::hover());
         let name = name_button(ui, context.selected_material == Some(index), names[index]).interact(Sense::drag());
         name.dnd_set_drag_payload(Dragged::Material(index));
@@ -240,8 +274,15 @@ fn variants(ui: &mut Ui, document: &Document, variants: &Variants, actions: &mut
     });
 }
 
-/// A folding list of the names that contain `wanted`; only visible rows are laid out, since there may be thousands.
-fn list(ui: &mut Ui, title: &str, names: &[&str], wanted: &str, mut add_row: impl FnMut(&mut Ui, usize)) {
+/// A folding list of the names that contain `wanted`; only visible rows are laid out, since there may be thousands. It scrolls to a
+/// row that is out of sight.
+fn list(
+    ui: &mut Ui,
+    title: &str,
+    names: &[&str],
+    (wanted, scroll_to): (&str, Option<usize>),
+    mut add_row: impl FnMut(&mut Ui, usize),
+) {
     let shown: Vec<usize> =
         (0..names.len()).filter(|&i| wanted.is_empty() || names[i].to_lowercase().contains(wanted)).collect();
     section(ui, title, true, |ui| {
@@ -250,9 +291,15 @@ fn list(ui: &mut Ui, title: &str, names: &[&str], wanted: &str, mut add_row: imp
             return;
         }
         let height = ui.spacing().interact_size.y;
-        let limit = VISIBLE_ROWS * (height + ui.spacing().item_spacing.y);
-        let area = ScrollArea::vertical().id_salt(title).max_height(limit).auto_shrink([false, true]);
-        area.show_rows(ui, height, shown.len(), |ui, rows| {
+        let row_height = height + ui.spacing().item_spacing.y;
+        let mut area = ScrollArea::vertical().id_salt(title).max_height(VISIBLE_ROWS * row_height);
+        let row = scroll_to.and_then(|wanted| shown.iter().position(|&index| index == wanted));
+        if let Some(row) = row {
+            let before = ui.data(|data| data.get_temp(ui.scope_id().with(title))).unwrap_or(0.0);
+            area = area.vertical_scroll_offset(offset_with(row, before / row_height) * row_height);
+        }
+        area = area.auto_shrink([false, true]);
+        let scrolled = area.show_rows(ui, height, shown.len(), |ui, rows| {
             for &index in &shown[rows] {
                 ui.push_id(index, |ui| {
                     let layout = Layout::left_to_right(egui::Align::Center);
@@ -261,7 +308,15 @@ fn list(ui: &mut Ui, title: &str, names: &[&str], wanted: &str, mut add_row: imp
                 });
             }
         });
+        let id = ui.scope_id().with(title);
+        ui.data_mut(|data| data.insert_temp(id, scrolled.state.clamped_offset().y));
     });
+}
+
+/// The offset of a list in rows at which a row is in sight, near the offset before.
+fn offset_with(row: usize, before: f32) -> f32 {
+    let row = row as f32;
+    if row < before || row + 1.0 > before + VISIBLE_ROWS { (row - 0.5 * VISIBLE_ROWS).max(0.0) } else { before }
 }
 
 /// A name that takes the rest of the row.

@@ -27,7 +27,12 @@ pub mod pick;
 
 pub use input::turn_environment;
 
-use crate::{actions::Action, document::Document, viewport::compare::CompareView};
+use crate::{
+    actions::{Action, LightAction, PoseAction, SelectAction},
+    document::Document,
+    scene::object_menu,
+    viewport::compare::CompareView,
+};
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};
 use glam::Vec2;
 use lapidary_core::{bounds::Bounds, camera::Camera, dataset::BakeParts, ray::Intersector, scene::Mesh};
@@ -56,6 +61,33 @@ impl ViewportState {
     /// Whether the camera is being flown, so that W, A, S, D, Q and E mean directions.
     pub fn is_flying(&self) -> bool {
         self.gesture.is_some_and(|gesture| gesture.is_flight())
+    }
+}
+
+/// What a click is for, other than to select.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClickFor {
+    /// It aims the selected light.
+    Aim,
+    /// It places the pivot of the selected object.
+    Pivot,
+}
+
+impl ClickFor {
+    /// What to do, over the picture.
+    fn words(self) -> &'static str {
+        match self {
+            Self::Aim => "Click the point to aim at (Esc: cancel)",
+            Self::Pivot => "Click an edge for a hinge, or any point to turn about it (Esc: cancel)",
+        }
+    }
+
+    /// The action that ends the wait without a click.
+    fn given_up(self) -> Action {
+        match self {
+            Self::Aim => Action::Light(LightAction::Aim(None)),
+            Self::Pivot => Action::Pose(PoseAction::PlacePivot(None)),
+        }
     }
 }
 
@@ -98,8 +130,8 @@ pub struct ViewportContext<'a> {
     pub selected_light: Option<usize>,
     /// Whether local lights are drawn over the picture and can be selected.
     pub shows_lights: bool,
-    /// Whether the next click aims the selected light.
-    pub aiming: bool,
+    /// What the next click is for, other than to select.
+    pub click_for: Option<ClickFor>,
     /// Parts of the shown bake.
     pub baked: Option<BakeParts>,
     /// Surface sources under the light of the picture, if bounced light is gathered from them.
@@ -129,10 +161,12 @@ impl ViewportContext<'_> {
         self.compared.as_ref().is_none_or(|compared| compared.view != CompareView::SideBySide)
     }
 
-    /// Picks what `camera` sees at a position of the window, in a viewport at `rect` of `size_px` pixels.
+    /// Picks what `camera` sees at a position of the window, in a viewport at `rect` of `size_px` pixels. Locked objects are seen
+    /// through.
     fn picked(&self, camera: &Camera, at: Pos2, rect: Rect, size_px: [u32; 2]) -> Option<Picked> {
         let scene = (self.mesh?, self.intersector?);
-        pick::pick(scene, self.document.bake.ground, camera, pixel(at, rect, size_px), size_px)
+        let is_locked = |object: u32| self.document.handling_of(object).locked;
+        pick::pick_past(scene, self.document.bake.ground, camera, pixel(at, rect, size_px), size_px, is_locked)
     }
 }
 
@@ -172,11 +206,26 @@ pub fn show(
     if context.placeholder.is_none() {
         input::handle(ui, &response, size_px, state, context, actions);
         dropping::handle(ui, &response, size_px, &mut state.dropping, context, actions);
+        show_menu(&response, size_px, context, actions);
     } else {
         input::end_gesture(state, actions);
     }
     paint_all(ui, &response, state, context);
     ViewportResponse { size_px, moving: is_moving(ui, state), rect }
+}
+
+/// The menu of a right click, which selects what it hits unless that is selected.
+fn show_menu(response: &Response, size_px: [u32; 2], context: &ViewportContext, actions: &mut Vec<Action>) {
+    let picked = |at: Pos2| context.picked(&context.document.camera, at, response.rect, size_px);
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.secondary_clicked()) {
+        let object = picked(at).map(|picked| picked.object);
+        if !object.is_some_and(|object| context.selected_objects.contains(&object)) {
+            actions.push(Action::Select(SelectAction::Object(object)));
+        }
+    }
+    let ground = context.mesh.and_then(Mesh::ground_object);
+    let objects: Vec<u32> = context.selected_objects.iter().copied().filter(|&o| Some(o) != ground).collect();
+    response.context_menu(|ui| object_menu::show(ui, context.document, &objects, actions));
 }
 
 fn pixels(rect: Rect, pixels_per_point: f32) -> [u32; 2] {

@@ -82,12 +82,34 @@ impl Pose {
         Self { rotate_degrees: Vec3::new(x, y, z).map(f32::to_degrees), ..self }
     }
 
+    /// The part of its rotation about a unit direction of the baked object, in degrees, -180 to 180: the twist of a swing-twist
+    /// decomposition.
+    pub fn degrees_about(&self, direction: Vec3) -> f32 {
+        let rotation = self.rotation();
+        let along = rotation.xyz().dot(direction);
+        let half = along.atan2(rotation.w);
+        wrapped_degrees(2.0 * half.to_degrees())
+    }
+
+    /// Turned further about a unit direction of the baked object, by degrees.
+    pub fn turned_about(self, direction: Vec3, degrees: f32) -> Self {
+        if degrees == 0.0 {
+            return self;
+        }
+        self.with_rotation(self.rotation() * Quat::from_axis_angle(direction, degrees.to_radians()))
+    }
+
     /// Transform from the baked to the posed object, whose baked center is `center`, in meters.
     pub fn world_from_baked(&self, center: Vec3) -> Affine3A {
         let about_center =
             Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), self.rotation(), Vec3::ZERO);
         Affine3A::from_translation(center + self.translate) * about_center * Affine3A::from_translation(-center)
     }
+}
+
+/// The same angle between -180 and 180 degrees.
+fn wrapped_degrees(degrees: f32) -> f32 {
+    (degrees + 180.0).rem_euclid(360.0) - 180.0
 }
 
 /// A time in an animation clip.

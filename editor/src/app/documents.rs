@@ -151,7 +151,8 @@ impl EditorState {
             unknown,
             first_view,
         };
-        self.pose.timeline.playing = false;
+        self.pose.forget_document();
+        self.interface.scene.forget_document();
         self.lights.forget_document();
         self.materials.forget_document();
         self.work.selection =

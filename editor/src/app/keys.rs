@@ -25,6 +25,8 @@ pub enum Command {
     SelectNothing,
     /// Hide the selected objects, or show them if the active one is hidden.
     HideSelection,
+    /// Show the selected objects alone, or end that.
+    Isolate,
     /// Show all hidden objects.
     ShowAll,
     /// Frame the selection.
@@ -124,7 +126,7 @@ const fn mode(mode: ViewMode, label: &'static str, keys: &'static [(Modifiers, K
 }
 
 /// All commands.
-pub const BINDINGS: [Binding; 55] = [
+pub const BINDINGS: [Binding; 56] = [
     binds("File", Command::Open, "Open...", &[(CTRL, Key::O)]),
     binds("File", Command::SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)]),
     binds("File", Command::Save, "Save", &[(CTRL, Key::S)]),
@@ -139,6 +141,7 @@ pub const BINDINGS: [Binding; 55] = [
     tool(Tool::Scale, &[(NONE, Key::R)]),
     binds("Edit", Command::Tool(None), "Select only", &[(NONE, Key::Q)]),
     binds("Edit", Command::HideSelection, "Hide or show the selection", &[(NONE, Key::H)]),
+    binds("Edit", Command::Isolate, "Isolate the selection, or end it", &[(NONE, Key::Slash)]),
     binds("Edit", Command::ShowAll, "Show all objects", &[(SHIFT, Key::H)]),
     binds("Edit", Command::SelectNothing, "Deselect all", &[(NONE, Key::Escape)]),
     binds("View", Command::FrameSelection, "Frame selection", &[(NONE, Key::F)]),

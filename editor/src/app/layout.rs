@@ -21,7 +21,7 @@ use crate::{
     preferences::Preferences,
     scene::{self, SceneContext},
     view::{self, ViewContext},
-    viewport::{self, ViewportContext, ViewportResponse, compare::Compared},
+    viewport::{self, ClickFor, ViewportContext, ViewportResponse, compare::Compared},
     workspace::{BakeStage, Inspector, Side, Tabs},
 };
 use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
@@ -149,6 +149,7 @@ fn show_side(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
                 selected_object: state.work.selection.object,
                 other_objects: &state.work.selection.others,
                 posable: &state.pose.posable(&state.work),
+                placing_pivot: state.pose.placing_pivot,
                 selected_material: state.work.selection.material,
             };
             scrolled(ui, |ui| {
@@ -249,6 +250,15 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
     state.baking.words(state.work.scene.seen(), shown).or_else(opacity)
 }
 
+/// What the next click in the viewport is for.
+fn click_for(state: &EditorState) -> Option<ClickFor> {
+    if state.work.selected_light().is_some() {
+        return state.lights.aiming.then_some(ClickFor::Aim);
+    }
+    let can_place = state.pose.placing_pivot && !state.pose.posable(&state.work).is_empty();
+    can_place.then_some(ClickFor::Pivot)
+}
+
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
     let baked = state.work.scene.rendered();
     let posed = state.pose.posed(&state.work, ui.ctx());
@@ -277,7 +287,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         movable: state.pose.movable(&state.work),
         selected_light: state.work.selected_light(),
         shows_lights: state.lights.in_viewport,
-        aiming: state.lights.aiming && state.work.selected_light().is_some(),
+        click_for: click_for(state),
         baked: state.work.scene.baked_parts(),
         sources: shown.and_then(|s| s.local.sources()),
         shows_clusters: state.lights.shows_clusters,

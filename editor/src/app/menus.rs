@@ -153,8 +153,9 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     ui.menu_button("Add light", |ui| lights::add_menu(ui, actions));
     ui.separator();
     tools(ui, state, actions);
-    let has_objects = !has_light && !state.pose.posable(&state.work).is_empty();
+    let has_objects = !state.selected_objects().is_empty();
     entry(ui, state, actions, Command::HideSelection, has_objects);
+    entry(ui, state, actions, Command::Isolate, has_objects || state.pose.is_isolated());
     let has_hidden = state.work.document.poses.has_hidden();
     entry(ui, state, actions, Command::ShowAll, has_hidden);
     entry(ui, state, actions, Command::SelectNothing, has_light || state.work.selection.object.is_some());

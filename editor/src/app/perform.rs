@@ -145,6 +145,7 @@ impl EditorState {
                 actions.extend(self.hide_or_show(command));
                 return;
             }
+            Command::Isolate => Action::Pose(PoseAction::Isolate(self.selected_objects())),
             Command::FrameSelection => Action::Camera(CameraAction::FrameSelection),
             Command::FrameAll => Action::Camera(CameraAction::FrameAll),
             Command::ResetCamera => Action::Camera(CameraAction::Reset),
@@ -198,15 +199,19 @@ impl EditorState {
         let (objects, hides): (Vec<u32>, bool) = match command {
             Command::ShowAll => (document.poses.hidden().collect(), false),
             _ => {
-                let posable = match self.work.selected_light() {
-                    Some(_) => Vec::new(),
-                    None => self.pose.posable(&self.work),
-                };
-                let is_shown = posable.first().is_some_and(|active| !document.poses.of(active.object).hidden);
-                (posable.iter().map(|subject| subject.object).collect(), is_shown)
+                let selected = self.selected_objects();
+                let is_shown = selected.first().is_some_and(|&active| !document.poses.of(active).hidden);
+                (selected, is_shown)
             }
         };
         if objects.is_empty() { Vec::new() } else { scene::hide(document, objects, hides).into() }
+    }
+
+    /// The selected objects other than the ground, the active one first; none while a light is selected.
+    pub(super) fn selected_objects(&self) -> Vec<u32> {
+        let ground = self.work.scene.ground_object();
+        let is_free = self.work.selected_light().is_none();
+        self.work.selection.objects().filter(|&object| is_free && Some(object) != ground).collect()
     }
 
     fn scaled(&self, steps: i32) -> Preferences {

@@ -2,6 +2,7 @@
 
 use super::{
     ComponentSettings, Document, EnvironmentSettings, ViewSettings,
+    handling::{self, HandlingOfObjects},
     looks::{LookState, NamedLook},
     objects::ObjectNumbers,
     parts::{Assignment, Renumbering, renumber},
@@ -34,6 +35,8 @@ pub enum Edit {
     },
     /// Other poses of objects, by index.
     Poses(BTreeMap<u32, Pose>),
+    /// Objects that are handled otherwise.
+    Handling(HandlingOfObjects),
     /// Another environment.
     Environment(EnvironmentSettings),
     /// Another value for a local light.
@@ -77,6 +80,7 @@ impl Edit {
             Self::Poses(poses) => {
                 poses.iter_mut().for_each(|(&object, pose)| *pose = document.poses.replace(object, *pose));
             }
+            Self::Handling(handling) => swap(handling, &mut document.handling),
             Self::Environment(environment) => swap(environment, &mut document.environment),
             Self::Light { index, light } => swap(&mut **light, &mut document.lights[*index]),
             Self::Lights(lights) => swap(lights, &mut document.lights),
@@ -114,6 +118,7 @@ impl Edit {
             Self::Assigned(assigned) => *assigned != document.assigned,
             Self::Added { .. } => self.fits(document),
             Self::Poses(poses) => poses.iter().any(|(&object, pose)| *pose != document.poses.of(object)),
+            Self::Handling(handling) => *handling != document.handling,
             Self::Environment(environment) => *environment != document.environment,
             Self::Light { index, light } => document.lights.get(*index).is_some_and(|l| *l != **light),
             Self::Lights(lights) => *lights != document.lights,
@@ -181,6 +186,7 @@ impl Edit {
                 let found = take(poses).into_iter().filter_map(|(object, pose)| Some((numbers.of(object)?, pose)));
                 *poses = found.collect();
             }
+            Self::Handling(handling) => handling::renumber(handling, numbers),
             Self::Assigned(assigned) | Self::Added { assigned, .. } => numbers.renumber(assigned),
             Self::Look(state) => state.renumber_objects(numbers),
             Self::Looks(looks) => looks.iter_mut().for_each(|look| look.state.renumber_objects(numbers)),

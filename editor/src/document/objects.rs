@@ -1,7 +1,11 @@
 //! Objects of a document, matched by name, since another version of the scene may order them differently.
 
-use super::{Document, parts::Assignment};
-use lapidary_core::{ground, parts::Part, scene::Scene};
+use super::{Document, Edit, handling, parts::Assignment};
+use lapidary_core::{
+    ground,
+    parts::Part,
+    scene::{Scene, pose::Pose},
+};
 use std::{
     borrow::Cow,
     collections::{HashMap, VecDeque},
@@ -49,6 +53,7 @@ impl Document {
         numbers.renumber(&mut self.assigned);
         self.looks.iter_mut().for_each(|look| look.state.renumber_objects(&numbers));
         self.poses = self.poses.renumbered(|object| numbers.of(object));
+        handling::renumber(&mut self.handling, &numbers);
         self.objects = names;
         numbers
     }
@@ -63,6 +68,11 @@ impl Document {
         let mut other = self.clone();
         other.take_names(names);
         Cow::Owned(other)
+    }
+
+    /// The edit that hides objects, or shows them.
+    pub fn hiding(&self, objects: impl IntoIterator<Item = u32>, hidden: bool) -> Edit {
+        Edit::Poses(objects.into_iter().map(|object| (object, Pose { hidden, ..self.poses.of(object) })).collect())
     }
 
     /// The object of a name, preferably at `place`.
@@ -81,7 +91,7 @@ pub fn names_of(scene: &Scene) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lapidary_core::scene::{Object, pose::Pose};
+    use lapidary_core::scene::Object;
 
     const RAISED: Pose = Pose { translate: glam::Vec3::Y, ..Pose::AS_BAKED };
 

@@ -1,9 +1,10 @@
 //! Session files: a document as versioned JSON, without its pictures and its dataset, which it names by path.
 //!
-//! `{"lapidary_session": 2, "scene", "dataset", "materials", "added", "assigned", "environment", "lights", "components",
-//! "solution", "camera", "bookmarks", "looks", "view", "bake"}`; the lights are those of a lights file, and each of the looks has a
-//! name and what it keeps: the keys of materials ("materials", "added", "assigned"), those of light ("environment", "lights",
-//! "components", "solution"), "camera" and "view". Paths are relative to the file, angles in degrees. Reading is lenient: invalid values are replaced with a warning, unknown keys are kept and written back
+//! `{"lapidary_session": 2, "scene", "dataset", "materials", "added", "assigned", "poses", "handling", "environment", "lights",
+//! "components", "solution", "camera", "bookmarks", "looks", "view", "bake"}`; the lights are those of a lights file, and each of
+//! the looks has a name and what it keeps: the keys of materials ("materials", "added", "assigned"), those of light
+//! ("environment", "lights", "components", "solution"), "camera" and "view". Paths are relative to the file, angles in degrees.
+//! Reading is lenient: invalid values are replaced with a warning, unknown keys are kept and written back
 //! ([`Unknown`]), missing files are listed and can be searched for ([`LoadedSession::relink`]). Only a newer version or damaged
 //! JSON is refused.
 
@@ -27,7 +28,8 @@ pub use write::save;
 use read::MissingFile;
 
 use file::{
-    SessionAssignment, SessionCamera, SessionMaterial, SessionMaterials, SessionPose, SessionSlot, TextureSource,
+    SessionAssignment, SessionCamera, SessionHandling, SessionMaterial, SessionMaterials, SessionPose, SessionSlot,
+    TextureSource,
 };
 
 pub(super) use read::read_json;

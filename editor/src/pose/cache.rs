@@ -156,7 +156,7 @@ impl PoseCache {
             None => scene.clip_time.as_ref().map(|_| as_baked),
         };
         let middle = middle.map_or(center, |middle| without_pose(scene, object, middle));
-        Some(Subject { object, center, middle })
+        Some(Subject { object, center, middle, hinge: None })
     }
 }
 

@@ -2,9 +2,11 @@
 
 use super::Posing;
 use crate::{
-    viewport::gizmo::{Movable, Subject},
+    document::{Edit, handling::PlacedPivot},
+    viewport::gizmo::{Movable, Subject, Tool},
     workspace::Workspace,
 };
+use std::mem::take;
 
 impl Posing {
     /// The selected objects, if they have handles: none for a ground or a hidden object, or while a light is selected.
@@ -17,13 +19,56 @@ impl Posing {
         is_shown(&active).then_some(Movable { active, others, pivot: self.pivot, tool })
     }
 
-    /// The selected objects that can be posed, the active one first; none if the active one cannot be, as a ground.
+    /// Places the pivot of the active object, given in the world, and shows the rings about it.
+    pub(super) fn place_pivot(&mut self, work: &mut Workspace, pivot: Option<PlacedPivot>) {
+        self.placing_pivot = false;
+        let (Some(pivot), Some(&Subject { object, center, .. })) = (pivot, self.posable(work).first()) else { return };
+        let pose = work.document.poses.of(object);
+        let own = PlacedPivot {
+            point: pose.world_from_baked(center).inverse().transform_point3(pivot.point),
+            hinge: pivot.hinge.map(|hinge| (pose.rotation().inverse() * hinge).normalize()),
+        };
+        let handling = work.document.with_handling([object], |handling| handling.pivot = Some(own));
+        work.do_step(Edit::Handling(handling), "Place pivot");
+        self.tool = Some(Tool::Turn);
+    }
+
+    /// Shows objects alone, or those again that this hid.
+    pub(super) fn isolate(&mut self, work: &mut Workspace, alone: &[u32]) {
+        let document = &work.document;
+        let hidden: Vec<u32> = take(&mut self.isolated);
+        let still_hidden: Vec<u32> = hidden.into_iter().filter(|&object| document.poses.of(object).hidden).collect();
+        let (objects, hides) = if still_hidden.is_empty() {
+            let ground = work.scene.ground_object();
+            let is_other =
+                |object: &u32| !alone.contains(object) && Some(*object) != ground && !document.poses.of(*object).hidden;
+            let others: Vec<u32> = (0..document.objects.len() as u32).filter(is_other).collect();
+            self.isolated = if alone.is_empty() { Vec::new() } else { others.clone() };
+            (self.isolated.clone(), true)
+        } else {
+            (still_hidden, false)
+        };
+        if !objects.is_empty() {
+            let edit = document.hiding(objects, hides);
+            work.do_step(edit, if hides { "Hide" } else { "Show" });
+        }
+    }
+
+    /// The selected objects that can be posed, the active one first; none if the active one cannot be, as a ground or a locked one.
     pub fn posable(&self, work: &Workspace) -> Vec<Subject> {
         let Some(baked) = work.scene.rendered() else { return Vec::new() };
         let can_be_posed =
             |object: u32| (object as usize) < work.document.objects.len() && work.scene.ground_object() != Some(object);
         let poses = self.poses_since(work, baked);
-        let subject = |object: u32| self.cache.subject(baked, &poses, object).filter(|_| can_be_posed(object));
+        let subject = |object: u32| {
+            let handling = work.document.handling_of(object);
+            let found = self.cache.subject(baked, &poses, object);
+            let found = found.filter(|_| can_be_posed(object) && !handling.locked)?;
+            Some(match handling.pivot {
+                Some(PlacedPivot { point, hinge }) => Subject { middle: point, hinge, ..found },
+                None => found,
+            })
+        };
         let Some(active) = work.selection.object.and_then(subject) else { return Vec::new() };
         [active].into_iter().chain(work.selection.others.iter().filter_map(|&object| subject(object))).collect()
     }

@@ -13,6 +13,9 @@ impl Posing {
         match action {
             PoseAction::ClipTime(time) => work.document.clip_time = time,
             PoseAction::Play => self.toggle(work),
+            PoseAction::AskForPivot => self.placing_pivot = !self.placing_pivot,
+            PoseAction::PlacePivot(pivot) => self.place_pivot(work, pivot),
+            PoseAction::Isolate(objects) => self.isolate(work, &objects),
         }
     }
 

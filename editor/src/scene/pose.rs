@@ -1,30 +1,62 @@
 //! Poses of the selected objects, relative to the scene file.
 
-use super::SceneContext;
+use super::{SceneContext, object_menu};
 use crate::{
-    actions::Action,
+    actions::{Action, PoseAction},
     document::Edit,
     viewport::gizmo::{Movable, Pivot, Subject, Tool},
     widgets::{
-        Edited, edit_row,
+        Edited, Number, edit_row,
         entries::{Decades, combo_row, decades_row, point_row, turns_row},
-        note, section,
+        note, section, slider_row,
     },
 };
-use egui::Ui;
+use egui::{Button, Ui};
 use lapidary_core::scene::pose::{MOST_SCALE, Pose};
 
 /// Shows the pose of the active object, and edits it together with all selected objects.
 pub fn show(ui: &mut Ui, pivot: &mut Pivot, context: &SceneContext, actions: &mut Vec<Action>) {
     if context.posable.is_empty() {
+        locked_note(ui, context, actions);
         return;
     }
     section(ui, "Pose", true, |ui| {
+        own_pivot(ui, context, actions);
         if context.posable.len() > 1 {
             pivot_row(ui, pivot, context.posable.len());
         }
+        hinge_row(ui, *pivot, context, actions);
         rows(ui, *pivot, context, actions);
         reset_button(ui, context, actions);
+    });
+}
+
+/// Says that a locked object cannot be posed.
+fn locked_note(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
+    let locked = context.selected_object.filter(|&object| context.document.handling_of(object).locked);
+    let Some(object) = locked else { return };
+    section(ui, "Pose", true, |ui| {
+        note(ui, "This object is locked: clicks in the picture go through it, and it keeps its pose");
+        if ui.button("Unlock").clicked() {
+            actions.extend(object_menu::lock(context.document, &[object], false));
+        }
+    });
+}
+
+/// The pivot placed on the active object.
+fn own_pivot(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
+    let Some(&Subject { object, .. }) = context.posable.first() else { return };
+    let pivot = context.document.handling_of(object).pivot;
+    ui.horizontal_wrapped(|ui| {
+        let place = ui.add(Button::new("Place pivot").selected(context.placing_pivot));
+        let help =
+            "Click an edge in the picture to turn the object about it, as a lid about its hinge, or any other point";
+        if place.on_hover_text(help).clicked() {
+            actions.push(Action::Pose(PoseAction::AskForPivot));
+        }
+        if ui.add_enabled(pivot.is_some(), Button::new("Pivot to center")).clicked() {
+            actions.extend(object_menu::pivot_to_center(context.document, &[object]));
+        }
     });
 }
 
@@ -37,10 +69,9 @@ fn pivot_row(ui: &mut Ui, pivot: &mut Pivot, selected: usize) {
 }
 
 fn reset_button(ui: &mut Ui, context: &SceneContext, actions: &mut Vec<Action>) {
-    let hidden = |object: u32| context.document.poses.of(object).hidden;
-    let as_in_file = |&Subject { object, .. }: &Subject| (object, Pose { hidden: hidden(object), ..Pose::AS_BAKED });
-    let edit = Edit::Poses(context.posable.iter().map(as_in_file).collect());
-    let reset = ui.add_enabled(edit.changes(context.document), egui::Button::new("Reset pose"));
+    let objects: Vec<u32> = context.posable.iter().map(|subject| subject.object).collect();
+    let edit = object_menu::as_in_file(context.document, &objects);
+    let reset = ui.add_enabled(edit.changes(context.document), Button::new("Reset pose"));
     if reset.on_hover_text("Restore the poses that the scene file gives all selected objects").clicked() {
         actions.extend([Action::Edit { edit, label: "Reset pose of" }, Action::EndGesture]);
     }
@@ -52,12 +83,25 @@ fn rows(ui: &mut Ui, pivot: Pivot, context: &SceneContext, actions: &mut Vec<Act
     };
     let help = "Offset from the position in the scene file, in meters.";
     row(Tool::Move, &mut |ui, pose| point_row(ui, "Move", help, &mut pose.translate));
-    let help = "Rotation about the object's center in degrees: first about X, then Y, then Z.";
+    let help = "Rotation about the pivot in degrees: first about X, then Y, then Z.";
     row(Tool::Turn, &mut |ui, pose| turns_row(ui, "Turn", help, &mut pose.rotate_degrees));
     let range = f64::from(1.0 / MOST_SCALE)..=f64::from(MOST_SCALE);
-    let scale =
-        Decades::count("Scale", "Scale about the object's center; 1 is the size in the scene file.", range, 1.0);
+    let scale = Decades::count("Scale", "Scale about the pivot; 1 is the size in the scene file.", range, 1.0);
     row(Tool::Scale, &mut |ui, pose| decades_row(ui, &Decades { decimals: 3, ..scale.clone() }, &mut pose.scale));
+}
+
+/// The angle by which the active object is open about its hinge, if it has one.
+fn hinge_row(ui: &mut Ui, pivot: Pivot, context: &SceneContext, actions: &mut Vec<Action>) {
+    let Some(hinge) = context.posable.first().and_then(|active| active.hinge) else { return };
+    let angle = Number::new("Hinge", "Turn about the hinge in degrees; 0 as in the scene file.", -180.0..=180.0, 0.0);
+    let angle = angle.unit("°", 1);
+    pose_row(Tool::Turn, pivot, context, actions, |pose| {
+        let before = pose.degrees_about(hinge);
+        let mut degrees = before;
+        let edited = slider_row(ui, &angle, &mut degrees);
+        *pose = pose.turned_about(hinge, degrees - before);
+        edited
+    });
 }
 
 /// One row with a number of the active object's pose. The tool applies its change to all.

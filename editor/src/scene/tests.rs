@@ -22,7 +22,10 @@ struct Probe {
     dataset: Dataset,
     panel: ScenePanel,
     pivot: Pivot,
+    selected: Option<u32>,
     others: Vec<u32>,
+    /// A point and a direction of the first object's hinge.
+    hinge: Option<(Vec3, Vec3)>,
     actions: Vec<Action>,
 }
 
@@ -42,18 +45,23 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
     document.materials = vec![Material { name: "Gold".into(), ..Default::default() }, Material::default()];
     document.bookmarks = bookmarks.iter().map(|n| Camera { name: (*n).into(), ..document.camera.clone() }).collect();
     let show = |ui: &mut Ui, probe: &mut Probe| {
-        let Probe { document, scenes, dataset, panel, pivot, others, actions } = probe;
-        let (selected_object, dataset) = (Some(0), Some(&*dataset));
+        let Probe { document, scenes, dataset, panel, pivot, selected, others, hinge, actions } = probe;
+        let (selected_object, dataset) = (*selected, Some(&*dataset));
         let is_there = |object: &u32| (*object as usize) < document.objects.len();
         let selected = [0].into_iter().chain(others.iter().copied()).filter(is_there);
-        let posable: Vec<Subject> =
-            selected.map(|object| Subject { object, center: center(object), middle: center(object) }).collect();
+        let posable: Vec<Subject> = selected
+            .map(|object| {
+                let (middle, hinge) = hinge.map_or((center(object), None), |(point, axis)| (point, Some(axis)));
+                Subject { object, center: center(object), middle, hinge }
+            })
+            .collect();
         let context = SceneContext {
             document,
             scenes: (scenes, Some("Day")),
             dataset,
             selected_object,
             other_objects: others,
+            placing_pivot: false,
             posable: &posable,
             selected_material: None,
         };
@@ -61,7 +69,17 @@ fn panel(dataset: Dataset, bookmarks: &[&str]) -> Harness<'static, Probe> {
     };
     let (panel, pivot) = (ScenePanel::default(), Pivot::default());
     let scenes = ["Day", "Night"].map(String::from).into();
-    let probe = Probe { document, scenes, dataset, panel, pivot, others: Vec::new(), actions: Vec::new() };
+    let probe = Probe {
+        document,
+        scenes,
+        dataset,
+        panel,
+        pivot,
+        selected: Some(0),
+        others: Vec::new(),
+        hinge: None,
+        actions: Vec::new(),
+    };
     // Steps short enough that two clicks are a double click.
     let builder = Harness::builder().with_size(vec2(WIDTH, 700.0)).with_step_dt(0.02).with_max_steps(60);
     let mut panel = builder.build_ui_state(show, probe);
@@ -261,6 +279,61 @@ fn of_thousands_of_objects_only_those_in_view_are_laid_out() {
     let labeled = |text: &str| panel.query_all_by_label_contains(text).count();
     let (eyes, all) = (labeled("Hide Object number"), labeled("Object number"));
     assert_eq!((all - eyes, eyes), (11, 10), "the list scrolls");
+}
+
+#[test]
+fn the_list_scrolls_to_what_was_clicked_elsewhere_and_stays_for_a_row_in_sight() {
+    assert_eq!([offset_with(3, 0.0), offset_with(12, 8.0)], [0.0, 8.0], "in sight");
+    let below = offset_with(400, 0.0);
+    assert!((below..below + VISIBLE_ROWS - 1.0).contains(&400.0), "{below}");
+    assert_eq!(offset_with(2, 300.0), 0.0, "no row is above the first");
+    let names: Vec<String> = (0..5000).map(|i| format!("Object number {i}")).collect();
+    let mut panel = panel(named(&names.iter().map(String::as_str).collect::<Vec<_>>()), &[]);
+    assert!(panel.query_by_label("Object number 4321").is_none(), "negative control");
+    panel.state_mut().selected = Some(4321);
+    panel.run();
+    assert!(panel.query_by_label("Object number 4321").is_some());
+    panel.state_mut().panel.filter = "number".into();
+    panel.state_mut().panel.forget_document();
+    assert!(panel.state().panel.filter.is_empty());
+}
+
+#[test]
+fn the_menu_of_an_object_locks_it_and_a_lock_is_opened_in_its_row() {
+    let mut panel = panel(named(&["Floor", "Teapot"]), &[]);
+    panel.state_mut().document.objects = vec!["Floor".into(), "Teapot".into()];
+    panel.run();
+    panel.get_by_label("Floor").click_secondary();
+    panel.run();
+    panel.get_by_label("Lock").click();
+    panel.run();
+    let asked = panel.state().actions.clone();
+    let [Action::Edit { edit, label: "Lock" }, Action::EndGesture] = &asked[..] else { panic!("{asked:?}") };
+    edit.clone().swap(&mut panel.state_mut().document);
+    panel.state_mut().actions.clear();
+    panel.run();
+    assert!(panel.state().document.handling_of(0).locked && !panel.state().document.handling_of(1).locked);
+    panel.get_by_label("Unlock Floor").click();
+    panel.run();
+    let asked = panel.state().actions.clone();
+    let [Action::Edit { edit, label: "Unlock" }, Action::EndGesture] = &asked[..] else { panic!("{asked:?}") };
+    edit.clone().swap(&mut panel.state_mut().document);
+    assert!(panel.state().document.handling.is_empty());
+}
+
+#[test]
+fn the_angle_about_a_hinge_is_typed_and_the_hinge_stays() {
+    let mut panel = panel(named(&["Chest", "Lid"]), &[]);
+    panel.state_mut().document.objects = vec!["Chest".into(), "Lid".into()];
+    assert!(panel.query_by_label("Hinge value").is_none(), "negative control");
+    let (point, hinge) = (Vec3::new(0.0, 0.5, -0.5), Vec3::X);
+    panel.state_mut().hinge = Some((point, hinge));
+    panel.run();
+    let [(0, pose)] = typed(&mut panel, "Hinge value", "90")[..] else { panic!() };
+    assert!((pose.degrees_about(hinge) - 90.0).abs() < 1e-3, "{pose:?}");
+    let place = |pose: Pose, of: Vec3| pose.world_from_baked(center(0)).transform_point3(of);
+    assert!(place(pose, point).distance(point) < 1e-5 && place(pose, point + hinge).distance(point + hinge) < 1e-5);
+    assert!(place(pose, center(0)).distance(center(0)) > 0.5, "negative control: the center moves");
 }
 
 #[test]

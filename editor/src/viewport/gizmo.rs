@@ -5,12 +5,14 @@
 
 mod change;
 mod drag;
+mod edges;
 mod handles;
 mod icons;
 mod light;
 mod movable;
 mod object;
 mod paint;
+mod pivot;
 mod projection;
 mod rings;
 mod size;
@@ -18,9 +20,12 @@ mod size;
 mod tests;
 mod tool;
 
-use super::{ViewportContext, pick};
+use super::{
+    ClickFor, ViewportContext,
+    pick::{self, Picked},
+};
 use crate::{
-    actions::{Action, LightAction},
+    actions::{Action, LightAction, PoseAction},
     typing::take_escape,
 };
 use drag::Drag;
@@ -31,6 +36,7 @@ use lapidary_core::{ground::Ground, lights::Light};
 pub use movable::{Movable, Pivot, Subject};
 use object::ObjectHandles;
 pub use paint::paint;
+use pivot::PivotPlace;
 pub use projection::Projection;
 pub use tool::Tool;
 
@@ -41,6 +47,8 @@ pub struct Gizmo {
     /// A canceled drag does nothing until the button is released.
     is_given_up: bool,
     hot: Option<Hot>,
+    /// The place for a pivot under the pointer.
+    pivot: Option<PivotPlace>,
 }
 
 /// The thing under the pointer.
@@ -90,13 +98,25 @@ impl<'a> View<'a> {
     }
 
     /// The surface under the pointer.
-    fn surface(&self, pointer: Pos2) -> Option<Vec3> {
+    fn picked(&self, pointer: Pos2) -> Option<Picked> {
         let (mesh, intersector) = (self.context.mesh?, self.context.intersector?);
         let size = super::pixels(self.rect, self.pixels_per_point);
         let pixel = super::pixel(pointer, self.rect, size);
         // A light may aim at a shadow on the ground.
-        let picked = pick::pick((mesh, intersector), Ground::On, &self.context.document.camera, pixel, size);
-        picked.map(|picked| picked.position)
+        pick::pick((mesh, intersector), Ground::On, &self.context.document.camera, pixel, size)
+    }
+
+    /// The position of the surface under the pointer.
+    fn surface(&self, pointer: Pos2) -> Option<Vec3> {
+        self.picked(pointer).map(|picked| picked.position)
+    }
+
+    /// What a click at a position asks for; `None` where there is nothing to click.
+    fn asked_by(&self, click: ClickFor, pointer: Pos2) -> Option<Action> {
+        Some(match click {
+            ClickFor::Aim => Action::Light(LightAction::Aim(Some(self.surface(pointer)?))),
+            ClickFor::Pivot => Action::Pose(PoseAction::PlacePivot(Some(PivotPlace::at(self, pointer)?.pivot))),
+        })
     }
 
     /// The handle at a position, else the nearest lamp.
@@ -124,6 +144,7 @@ pub fn handle(
     let mut pass = Pass { ui, response, gizmo, actions, view };
     let is_busy = pass.drag() || pass.click();
     pass.gizmo.hot = pass.under_pointer();
+    pass.gizmo.pivot = pass.pivot_under_pointer();
     pass.cursor();
     is_busy
 }
@@ -169,7 +190,7 @@ impl Pass<'_> {
         let (origin, modifiers, pressed) =
             self.ui.input(|i| (i.pointer.press_origin(), i.modifiers, i.pointer.primary_pressed()));
         let is_mine = pressed && self.response.is_pointer_button_down_on() && !modifiers.shift && !modifiers.alt;
-        let origin = origin.filter(|_| is_mine && !self.view.context.aiming)?;
+        let origin = origin.filter(|_| is_mine && self.view.context.click_for.is_none())?;
         let drag = Drag::begun(&self.view, origin)?;
         self.ui.memory_mut(|memory| memory.stop_text_input());
         Some(drag)
@@ -204,17 +225,15 @@ impl Pass<'_> {
         }
     }
 
-    /// Aims or selects a light. Returns whether it took the click.
+    /// Does what the click is for, or selects a light. Returns whether it took the click.
     fn click(&mut self) -> bool {
         let alt = self.ui.input(|i| i.modifiers.alt);
-        let Some(pointer) = self.response.interact_pointer_pos() else { return self.stop_aiming() };
+        let Some(pointer) = self.response.interact_pointer_pos() else { return self.stop_waiting() };
         if alt || !self.response.clicked_by(PointerButton::Primary) {
-            return self.stop_aiming();
+            return self.stop_waiting();
         }
-        if self.view.context.aiming {
-            if let Some(place) = self.view.surface(pointer) {
-                self.actions.push(Action::Light(LightAction::Aim(Some(place))));
-            }
+        if let Some(click) = self.view.context.click_for {
+            self.actions.extend(self.view.asked_by(click, pointer));
             return true;
         }
         match self.view.hit(pointer) {
@@ -227,10 +246,10 @@ impl Pass<'_> {
         }
     }
 
-    /// Escape cancels aiming.
-    fn stop_aiming(&mut self) -> bool {
-        if self.view.context.aiming && take_escape(self.ui.ctx()) {
-            self.actions.push(Action::Light(LightAction::Aim(None)));
+    /// Escape gives up what the click was for.
+    fn stop_waiting(&mut self) -> bool {
+        if let Some(click) = self.view.context.click_for.filter(|_| take_escape(self.ui.ctx())) {
+            self.actions.push(click.given_up());
         }
         false
     }
@@ -241,12 +260,18 @@ impl Pass<'_> {
         }
         let pointer = self.ui.input(|i| i.pointer.latest_pos()).filter(|_| self.response.contains_pointer())?;
         let any_down = self.ui.input(|i| i.pointer.any_down());
-        if any_down || self.view.context.aiming { None } else { self.view.hit(pointer) }
+        if any_down || self.view.context.click_for.is_some() { None } else { self.view.hit(pointer) }
+    }
+
+    fn pivot_under_pointer(&self) -> Option<PivotPlace> {
+        let is_placed = self.view.context.click_for == Some(ClickFor::Pivot) && self.response.contains_pointer();
+        let pointer = self.ui.input(|i| i.pointer.latest_pos()).filter(|_| is_placed)?;
+        PivotPlace::at(&self.view, pointer)
     }
 
     fn cursor(&self) {
         let icon = match self.gizmo.hot {
-            _ if self.view.context.aiming && self.response.contains_pointer() => CursorIcon::Crosshair,
+            _ if self.view.context.click_for.is_some() && self.response.contains_pointer() => CursorIcon::Crosshair,
             Some(Hot::Handle(_)) if self.gizmo.drag.is_some() => CursorIcon::Grabbing,
             Some(Hot::Handle(_)) => CursorIcon::Grab,
             Some(Hot::Light(_)) => CursorIcon::PointingHand,

@@ -9,6 +9,11 @@ use lapidary_core::{
     scene::Mesh,
 };
 
+/// Most surfaces of passed objects before one is picked.
+const MOST_PASSED: usize = 256;
+/// Step behind a passed surface, as a share of its distance.
+const STEP_BEHIND: f32 = 1e-5;
+
 /// The surface under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Picked {
@@ -32,23 +37,40 @@ impl Picked {
 /// Picks what `camera` sees at `pixel` of a picture of `size`. `intersector` belongs to `mesh`. A ground can be picked from above,
 /// if it is shown as a surface.
 pub fn pick(
-    (mesh, intersector): (&Mesh, &Intersector),
+    scene: (&Mesh, &Intersector),
     ground: Ground,
     camera: &Camera,
     pixel: Vec2,
     size: [u32; 2],
 ) -> Option<Picked> {
-    let ray @ (origin, direction) = camera.projection(size).ray(pixel, PINHOLE);
+    pick_past(scene, ground, camera, pixel, size, |_| false)
+}
+
+/// The same, through objects that are `passed`.
+pub fn pick_past(
+    (mesh, intersector): (&Mesh, &Intersector),
+    ground: Ground,
+    camera: &Camera,
+    pixel: Vec2,
+    size: [u32; 2],
+    passed: impl Fn(u32) -> bool,
+) -> Option<Picked> {
+    let (origin, direction) = camera.projection(size).ray(pixel, PINHOLE);
     // Every surface that stops some light can be picked.
-    let first = intersector.closest_above(origin, direction, |_| 0.0);
-    let hit = intersector.past_ground(mesh, first, ray, ground == Ground::On, |_| 0.0)?;
-    let index = hit.triangle as usize;
-    Some(Picked {
-        object: *mesh.triangle_object.get(index)?,
-        material: *mesh.triangle_material.get(index)? as usize,
-        triangle: hit.triangle,
-        position: origin + hit.distance * direction,
-    })
+    let mut way = 0.0;
+    for _ in 0..MOST_PASSED {
+        let from = origin + way * direction;
+        let first = intersector.closest_above(from, direction, |_| 0.0);
+        let hit = intersector.past_ground(mesh, first, (from, direction), ground == Ground::On, |_| 0.0)?;
+        let (index, distance) = (hit.triangle as usize, way + hit.distance);
+        let object = *mesh.triangle_object.get(index)?;
+        if !passed(object) {
+            let material = *mesh.triangle_material.get(index)? as usize;
+            return Some(Picked { object, material, triangle: hit.triangle, position: origin + distance * direction });
+        }
+        way = distance * (1.0 + STEP_BEHIND);
+    }
+    None
 }
 
 #[cfg(test)]
@@ -76,6 +98,22 @@ mod tests {
         assert_eq!((right.object, right.material), (1, 0));
         assert!(right.triangle >= 2);
         assert_eq!(picked_at(Vec2::new(400.0, 300.0)), None);
+    }
+
+    #[test]
+    fn locked_objects_are_seen_through() {
+        let mut mesh = two_squares();
+        // The second square goes behind the first.
+        mesh.positions[4..].iter_mut().for_each(|position| *position += Vec3::new(-2.0, 0.0, -1.0));
+        let camera = Camera::look_at(Vec3::new(-1.1, 0.1, 5.0), Vec3::new(-1.1, 0.1, 0.0), 40.0);
+        let picked = |passed: &dyn Fn(u32) -> bool| {
+            let middle = Vec2::new(400.0, 300.0);
+            pick_past((&mesh, &Intersector::new(&mesh)), Ground::On, &camera, middle, SIZE, passed)
+        };
+        assert_eq!(picked(&|_| false).unwrap().object, 0, "negative control");
+        let behind = picked(&|object| object == 0).unwrap();
+        assert!(behind.object == 1 && (behind.position.z + 1.0).abs() < 1e-3, "{behind:?}");
+        assert_eq!(picked(&|_| true), None);
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub struct App {
     pub pivot: gizmo::Pivot,
     pub tool: Option<gizmo::Tool>,
     pub selected_light: Option<usize>,
-    pub aiming: bool,
+    pub click_for: Option<ClickFor>,
     pub sources: Option<Arc<SourceLighting>>,
     pub shows_clusters: bool,
     pub placeholder: Option<&'static str>,
@@ -45,7 +45,7 @@ impl App {
             pivot: gizmo::Pivot::default(),
             tool: None,
             selected_light: None,
-            aiming: false,
+            click_for: None,
             sources: None,
             shows_clusters: false,
             placeholder: None,
@@ -71,7 +71,7 @@ impl App {
             movable: self.movable(),
             selected_light: self.selected_light,
             shows_lights: true,
-            aiming: self.aiming,
+            click_for: self.click_for,
             baked: Some(BakeParts::ENVIRONMENT),
             sources: self.sources.as_ref(),
             shows_clusters: self.shows_clusters,
@@ -87,7 +87,7 @@ impl App {
         let (active, tool) = self.selected.zip(self.tool)?;
         let subject = |object| {
             let center = crate::bounds::object_bounds(&self.mesh, object)?.center();
-            Some(gizmo::Subject { object, center, middle: center })
+            Some(gizmo::Subject { object, center, middle: center, hinge: None })
         };
         let others = self.others.iter().filter_map(|&object| subject(object)).collect();
         Some(gizmo::Movable { active: subject(active)?, others, pivot: self.pivot, tool })

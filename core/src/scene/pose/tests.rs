@@ -88,6 +88,26 @@ fn turns_survive_their_degrees() {
 }
 
 #[test]
+fn a_turn_about_a_hinge_is_read_back_beside_any_other_turn() {
+    let hinge = Vec3::new(0.6, 0.0, -0.8);
+    for other in [Vec3::ZERO, Vec3::new(20.0, -50.0, 10.0)] {
+        let closed = Pose { rotate_degrees: other, translate: Vec3::Y, ..Pose::AS_BAKED };
+        let before = closed.degrees_about(hinge);
+        for degrees in [-120.0, 35.0, 95.0] {
+            let open = closed.turned_about(hinge, degrees);
+            let read = open.degrees_about(hinge) - before;
+            assert!(
+                (read - degrees).rem_euclid(360.0).min((degrees - read).rem_euclid(360.0)) < 0.05,
+                "{other}: {read}"
+            );
+            let still = (open.rotation() * hinge).distance(closed.rotation() * hinge);
+            assert!(still < 1e-4 && open.translate == closed.translate, "the hinge stays: {still}");
+        }
+    }
+    assert!(Pose::AS_BAKED.turned_about(Vec3::Y, 40.0).degrees_about(Vec3::X).abs() < 1e-3, "negative control");
+}
+
+#[test]
 fn an_object_beyond_reach_is_refused() {
     let scene = cubes(1);
     let mut poses = Poses::default();

@@ -2,10 +2,12 @@
 
 use super::{Place, Window, few_lights, kept::StopsInVisibility};
 use crate::{
-    actions::{Action, BakeAction, SelectAction},
-    document::Edit,
+    actions::{Action, BakeAction, PoseAction, SelectAction},
+    document::{Edit, handling::PlacedPivot},
     jobs::Imported,
+    viewport::gizmo::Tool,
 };
+use egui::Key;
 use glam::Vec3;
 use lapidary_core::scene::pose::{Pose, Poses};
 use lapidary_precompute::{BakeJob, Leftover, bake, resolve};
@@ -74,4 +76,51 @@ fn what_an_interrupted_bake_left_is_known_under_the_numbers_of_the_file() {
         state.baking.leftover = None;
         assert_eq!(state.baking.leftover(&state.work), expected);
     }
+}
+
+fn hidden(window: &Window) -> Vec<u32> {
+    window.0.state().work.document.poses.hidden().collect()
+}
+
+#[test]
+fn an_object_is_isolated_and_that_ends_without_showing_what_was_hidden_before() {
+    let place = Place::new();
+    let mut window = with_a_rug(&place);
+    window.perform(Action::Select(SelectAction::Object(Some(FLOOR))));
+    window.0.key_press(Key::Slash);
+    window.0.run_steps(2);
+    assert_eq!(hidden(&window), [PYRAMID]);
+    window.0.key_press(Key::Slash);
+    window.0.run_steps(2);
+    assert_eq!(hidden(&window), [0; 0]);
+    window.perform(Action::Undo);
+    assert_eq!(hidden(&window), [PYRAMID], "each is a step of undo");
+    window.perform(Action::Pose(PoseAction::Isolate(vec![FLOOR])));
+    assert_eq!(hidden(&window), [PYRAMID], "the others were hidden before");
+    window.perform(Action::Pose(PoseAction::Isolate(vec![FLOOR])));
+    assert_eq!(hidden(&window), [PYRAMID], "negative control: what isolation did not hide stays hidden");
+}
+
+#[test]
+fn a_locked_object_has_no_handles_and_a_placed_pivot_shows_its_ring() {
+    let place = Place::new();
+    let mut window = with_a_rug(&place);
+    window.perform(Action::Select(SelectAction::Object(Some(PYRAMID))));
+    let corner = Vec3::new(0.3, 0.0, 0.3);
+    let pivot = PlacedPivot { point: corner, hinge: Some(Vec3::Z) };
+    window.perform(Action::Pose(PoseAction::AskForPivot));
+    assert!(window.0.state().pose.placing_pivot);
+    window.perform(Action::Pose(PoseAction::PlacePivot(Some(pivot))));
+    let state = window.0.state();
+    assert!(!state.pose.placing_pivot && state.pose.tool == Some(Tool::Turn));
+    let kept = state.work.document.handling_of(PYRAMID).pivot.unwrap();
+    assert!(kept.point.distance(corner - MOVED.translate) < 1e-5, "{kept:?}: with the object as in the file");
+    let movable = state.pose.movable(&state.work).unwrap();
+    assert!(movable.place(&state.work.document.poses).distance(corner) < 1e-5, "it moves along with the object");
+    let locked = state.work.document.with_handling([PYRAMID], |own| own.locked = true);
+    window.perform(Action::Edit { edit: Edit::Handling(locked), label: "Lock" });
+    assert!(window.0.state().pose.movable(&window.0.state().work).is_none());
+    assert!(window.shows("This object is locked"));
+    window.perform(Action::Undo);
+    assert!(window.0.state().pose.movable(&window.0.state().work).is_some(), "negative control");
 }

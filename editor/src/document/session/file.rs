@@ -2,6 +2,7 @@
 
 use crate::document::{
     ComponentSettings, Document, EnvironmentSettings, ViewSettings,
+    handling::Handling,
     looks::{LightOfLook, LookState, MaterialsOfLook, NamedLook},
 };
 use glam::{Vec2, Vec3};
@@ -34,6 +35,9 @@ pub struct Session {
     pub materials: SessionMaterials,
     /// Objects moved from their place in the file.
     pub poses: Vec<SessionPose>,
+    /// Objects that are handled otherwise than usual.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub handling: Vec<SessionHandling>,
     /// The shown time of an animation; `None` at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clip_time: Option<ClipTime>,
@@ -130,6 +134,18 @@ impl SessionPose {
     }
 }
 
+/// How an object is handled, see [`Handling`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SessionHandling {
+    /// The object's name, which decides if another object has its index.
+    pub name: String,
+    /// Index of the object.
+    pub object: u32,
+    #[serde(flatten)]
+    pub own: Handling,
+}
+
 /// A part with another material than the mesh's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -205,12 +221,15 @@ impl Session {
     /// The parts of `document`; no texels.
     pub fn of(document: &Document) -> Self {
         let pose = |object: u32| SessionPose::new(name_of(document, object), object, document.poses.of(object));
+        let handling =
+            |(&object, &own): (&u32, &Handling)| SessionHandling { name: name_of(document, object), object, own };
         Self {
             scene: document.scene.clone(),
             scene_in_file: document.scene_in_file.clone(),
             dataset: document.dataset.clone(),
             materials: SessionMaterials::of(&MaterialsOfLook::of(document), document),
             poses: document.poses.moved().map(pose).collect(),
+            handling: document.handling.iter().map(handling).collect(),
             clip_time: document.clip_time.clone(),
             light: LightOfLook::of(document).into(),
             camera: Some((&document.camera).into()),

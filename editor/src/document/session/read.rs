@@ -1,8 +1,8 @@
 //! Reading of a session file.
 
 use super::{
-    AUTOSAVE_KEY, Session, SessionAssignment, SessionCamera, SessionError, SessionLight, SessionLook, SessionMaterial,
-    SessionMaterials, SessionPose, SessionSlot, Unknown, VERSION, VERSION_KEY, checks,
+    AUTOSAVE_KEY, Session, SessionAssignment, SessionCamera, SessionError, SessionHandling, SessionLight, SessionLook,
+    SessionMaterial, SessionMaterials, SessionPose, SessionSlot, Unknown, VERSION, VERSION_KEY, checks,
     lenient::{read_leniently, refusal},
 };
 use crate::document::{
@@ -119,6 +119,7 @@ impl Reader {
             dataset: self.path(root, "dataset"),
             materials: self.materials(root),
             poses: self.list(root, "poses", |_| SessionPose::default()),
+            handling: self.list(root, "handling", |_| SessionHandling::default()),
             clip_time: root.get("clip_time").map(|_| self.part(root, "clip_time", ClipTime::default())),
             light: self.light(root),
             camera: self.camera(root),

@@ -1,11 +1,12 @@
 //! Turns a session and its scene into a document.
 
 use super::{
-    LoadedSession, Session, SessionAssignment, SessionLight, SessionMaterial, SessionMaterials, SessionPose,
-    TextureSource, brdfs, file::document_material,
+    LoadedSession, Session, SessionAssignment, SessionHandling, SessionLight, SessionMaterial, SessionMaterials,
+    SessionPose, TextureSource, brdfs, file::document_material,
 };
 use crate::document::{
     Document, TextureEntry,
+    handling::{Handling, PlacedPivot},
     looks::{LightOfLook, LookState, MaterialsOfLook, NamedLook},
     parts::Assignment,
 };
@@ -56,6 +57,7 @@ impl LoadedSession {
         brdfs::read(&mut document, own, &mut warnings);
         let ground = scene.and_then(|scene| scene.mesh.ground_object());
         take_poses(&mut document, &session.poses, ground, &mut warnings);
+        take_handling(&mut document, &session.handling, ground, &mut warnings);
         document.clip_time = session.clip_time;
         (document.scene, document.scene_in_file) = (session.scene, session.scene_in_file);
         document.dataset = session.dataset;
@@ -113,7 +115,9 @@ fn name_stand_ins(document: &mut Document, session: &Session) {
         return;
     }
     let assigned = session.assigned().map(|assignment| (assignment.object, &assignment.name));
-    let named = assigned.chain(session.poses.iter().map(|pose| (pose.object, &pose.name)));
+    let posed = session.poses.iter().map(|pose| (pose.object, &pose.name));
+    let handled = session.handling.iter().map(|handled| (handled.object, &handled.name));
+    let named = assigned.chain(posed).chain(handled);
     for (object, name) in named.filter(|(object, _)| *object < MAX_STAND_INS) {
         let count = document.objects.len().max(object as usize + 1);
         document.objects.resize(count, String::new());
@@ -130,6 +134,25 @@ fn take_poses(document: &mut Document, poses: &[SessionPose], ground: Option<u32
             Ok(()) => object.into_iter().for_each(|object| document.poses.set(object, pose)),
             Err(error) => warnings.push(format!("{error}; the object is placed as in the scene file")),
         }
+    }
+}
+
+/// Applies how a session handles objects. Leaves out the ground and objects that the scene no longer has.
+fn take_handling(
+    document: &mut Document,
+    handling: &[SessionHandling],
+    ground: Option<u32>,
+    warnings: &mut Vec<String>,
+) {
+    for SessionHandling { name, object, own } in handling {
+        let Some(object) = document.object_called(name, *object).filter(|&object| Some(object) != ground) else {
+            continue;
+        };
+        let pivot = own.pivot.filter(PlacedPivot::is_valid);
+        if pivot != own.pivot {
+            warnings.push(format!("the pivot of \"{name}\" is out of reach or its hinge has another length than 1; the object turns about its center"));
+        }
+        document.handling.insert(object, Handling { pivot, ..*own });
     }
 }
 

@@ -9,6 +9,7 @@ use super::*;
 use crate::{
     document::{
         BackgroundKind, Component, ComponentSettings, Document, EnvironmentSettings, TextureEntry, ViewSettings,
+        handling::{Handling, PlacedPivot},
         lights::LightKind,
     },
     test_support::write_picture,
@@ -270,6 +271,23 @@ fn poses_survive_the_disk_and_follow_their_objects() {
     let refused = project.changed(|json| json["poses"] = json!([{ "name": "pot", "scale": 0 }]));
     let (read, warnings) = refused.into_document(Some(&project.dataset.scene));
     assert!(read.poses.is_empty() && warnings[0].contains("must be above 0"), "{warnings:?}");
+}
+
+#[test]
+fn locks_and_pivots_survive_the_disk_and_follow_their_objects() {
+    let mut project = Project::new();
+    let mut document = with_a_part(&mut project);
+    let pivot = PlacedPivot { point: Vec3::new(0.1, -2.0, 0.3), hinge: Some(Vec3::Z) };
+    document.handling = [(1, Handling { locked: true, pivot: Some(pivot) })].into();
+    let loaded = project.reloaded(&document);
+    project.dataset.scene.objects.swap(0, 1);
+    let (read, warnings) = loaded.into_document(Some(&project.dataset.scene));
+    assert_eq!((read.handling_of(0), warnings.len()), (document.handling_of(1), 0), "{warnings:?}");
+    assert_eq!(read.handling_of(1), Handling::default());
+    let refused = project.changed(|json| json["handling"][0]["pivot"]["hinge"] = json!([0, 0, 3]));
+    let (read, warnings) = refused.into_document(Some(&project.dataset.scene));
+    assert!(read.handling_of(0) == Handling { locked: true, pivot: None }, "{read:?}");
+    assert!(warnings[0].contains("\"pot\"") && warnings[0].contains("turns about its center"), "{warnings:?}");
 }
 
 #[test]

@@ -9,15 +9,44 @@ pub const SCALE_STEP: f32 = 0.1;
 /// Least number of move steps in the diagonal of a scene.
 const STEPS_ACROSS: f32 = 20.0;
 
+/// An axis to turn about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Axis {
+    /// An axis of the world: 0 is X, 1 is Y, 2 is Z.
+    World(usize),
+    /// A unit direction, of a hinge.
+    Hinge(Vec3),
+}
+
+impl Axis {
+    /// The axes of the world.
+    pub const OF_WORLD: [Self; 3] = [Self::World(0), Self::World(1), Self::World(2)];
+
+    /// Its unit direction.
+    pub fn direction(self) -> Vec3 {
+        match self {
+            Self::World(axis) => Vec3::AXES[axis],
+            Self::Hinge(direction) => direction,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::World(axis) => ["X", "Y", "Z"][axis],
+            Self::Hinge(_) => "the hinge",
+        }
+    }
+}
+
 /// A change of poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     /// An offset in meters.
     Move(Vec3),
-    /// About an axis of the world through a pivot, counter-clockwise seen against it.
+    /// About an axis through a pivot, counter-clockwise seen against it.
     Turn {
-        /// 0 is X, 1 is Y, 2 is Z.
-        axis: usize,
+        /// The axis.
+        axis: Axis,
         /// The angle.
         degrees: f32,
     },
@@ -49,7 +78,7 @@ impl Change {
         match self {
             Self::Move(translate) => Similarity { translate, ..identity },
             Self::Turn { axis, degrees } => {
-                Similarity { rotation: Quat::from_axis_angle(Vec3::AXES[axis], degrees.to_radians()), ..identity }
+                Similarity { rotation: Quat::from_axis_angle(axis.direction(), degrees.to_radians()), ..identity }
             }
             Self::Scale(scale) => Similarity { scale, ..identity },
         }
@@ -59,7 +88,7 @@ impl Change {
     pub fn words(self) -> String {
         match self {
             Self::Move(Vec3 { x, y, z }) => format!("Move by {x:.3}, {y:.3}, {z:.3} m"),
-            Self::Turn { axis, degrees } => format!("Turn about {} by {degrees:.1}°", ["X", "Y", "Z"][axis]),
+            Self::Turn { axis, degrees } => format!("Turn about {} by {degrees:.1}°", axis.name()),
             Self::Scale(factor) => format!("Scale by {factor:.2}"),
         }
     }
@@ -106,13 +135,13 @@ mod tests {
 
     #[test]
     fn turns_are_about_the_axes_of_the_world_after_the_turns_that_were() {
-        let turned = changed(TILTED, Change::Turn { axis: 1, degrees: 90.0 });
+        let turned = changed(TILTED, Change::Turn { axis: Axis::World(1), degrees: 90.0 });
         // The tilt takes Z to -Y, which the turn about Y leaves; it leaves X, which the turn takes to -Z.
         assert!((turned.rotation() * Vec3::Z).distance(Vec3::NEG_Y) < 1e-5);
         assert!((turned.rotation() * Vec3::X).distance(Vec3::NEG_Z) < 1e-5);
         let own = TILTED.rotation() * Quat::from_rotation_y(90f32.to_radians());
         assert!((own * Vec3::X).distance(Vec3::NEG_Z) > 0.5, "negative control: about an axis of the object");
-        assert_eq!(changed(TILTED, Change::Turn { axis: 2, degrees: 0.0 }), TILTED);
+        assert_eq!(changed(TILTED, Change::Turn { axis: Axis::World(2), degrees: 0.0 }), TILTED);
     }
 
     #[test]
@@ -120,7 +149,7 @@ mod tests {
         let offset = Change::Move(Vec3::new(0.26, -0.04, 0.0));
         let Change::Move(snapped) = offset.snapped(0.1) else { panic!("{offset:?}") };
         assert!(snapped.distance(Vec3::new(0.3, 0.0, 0.0)) < 1e-6, "{snapped}");
-        let turn = |degrees| Change::Turn { axis: 0, degrees };
+        let turn = |degrees| Change::Turn { axis: Axis::World(0), degrees };
         assert_eq!([turn(22.4), turn(22.6), turn(-8.0)].map(|t| t.snapped(0.1)), [turn(15.0), turn(30.0), turn(-15.0)]);
         for (factor, expected) in [(1.26, 1.3), (0.98, 1.0), (0.01, 0.1)] {
             let Change::Scale(snapped) = Change::Scale(factor).snapped(0.1) else { panic!("{factor}") };

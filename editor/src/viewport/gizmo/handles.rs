@@ -34,7 +34,7 @@ pub enum Handle {
     Free,
     /// The target of the light.
     Target,
-    /// About X, Y or Z.
+    /// About an axis of turns, by its number.
     Ring(usize),
     /// Larger or smaller.
     Size,

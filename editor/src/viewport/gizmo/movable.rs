@@ -1,7 +1,7 @@
 //! The selected objects that handles and numbers move together, and their pivot. Independent of the screen.
 
 use super::{
-    change::{Change, posed},
+    change::{Axis, Change, posed},
     tool::Tool,
 };
 use glam::Vec3;
@@ -11,22 +11,22 @@ use std::collections::BTreeMap;
 /// The pivot about which objects turn and scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pivot {
-    /// The center of the object selected last.
+    /// The pivot of the object selected last.
     #[default]
     Active,
-    /// The mean of the centers of all selected objects. It is invariant under turns and scales about itself, unlike the center of a
+    /// The mean of the pivots of all selected objects. It is invariant under turns and scales about itself, unlike the center of a
     /// box around the objects.
     Selection,
-    /// Each object's own center.
+    /// Each object's own pivot.
     Own,
 }
 
 impl Pivot {
     /// All pivots, each with its name and tooltip.
     pub const CHOICES: [(Self, &str, &str); 3] = [
-        (Self::Active, "Selected last", "Turns and scales all about the center of the object selected last"),
-        (Self::Selection, "All selected", "Turns and scales all about the middle of their centers"),
-        (Self::Own, "Own centers", "Turns and scales each object about its own center"),
+        (Self::Active, "Selected last", "Turns and scales all about the pivot of the object selected last"),
+        (Self::Selection, "All selected", "Turns and scales all about the middle of their pivots"),
+        (Self::Own, "Own pivots", "Turns and scales each object about its own pivot"),
     ];
 }
 
@@ -37,12 +37,15 @@ pub struct Subject {
     pub object: u32,
     /// The center of its pose: its own center in the file, in meters.
     pub center: Vec3,
-    /// The center of its present shape without its pose, in meters; an animation may move it.
+    /// The point about which it turns, without its pose, in meters: the pivot placed on it, else the center of its present shape,
+    /// which an animation may move.
     pub middle: Vec3,
+    /// The unit direction of its hinge, without its pose.
+    pub hinge: Option<Vec3>,
 }
 
 impl Subject {
-    /// Position of the middle of its shape, in meters.
+    /// Position of its middle, in meters.
     fn place(&self, poses: &Poses) -> Vec3 {
         let pose = poses.of(self.object);
         self.center + pose.translate + pose.rotation() * (pose.scale * (self.middle - self.center))
@@ -82,6 +85,13 @@ impl Movable {
                 sum / (1 + self.others.len()) as f32
             }
         }
+    }
+
+    /// The axes of turns: the hinge of the active object alone, else those of the world.
+    pub fn turn_axes(&self, poses: &Poses) -> Vec<Axis> {
+        let hinge = self.active.hinge.filter(|_| self.pivot != Pivot::Selection);
+        let posed = |hinge: Vec3| vec![Axis::Hinge((poses.of(self.active.object).rotation() * hinge).normalize())];
+        hinge.map_or(Axis::OF_WORLD.into(), posed)
     }
 
     /// The objects' poses out of all.
@@ -134,12 +144,12 @@ mod tests {
 
     const CENTERS: [Vec3; 3] = [Vec3::new(1.0, 0.5, 0.0), Vec3::new(-1.0, 0.0, 2.0), Vec3::new(0.0, 3.0, -1.0)];
     const PIVOTS: [Pivot; 3] = [Pivot::Active, Pivot::Selection, Pivot::Own];
-    const TURN: Change = Change::Turn { axis: 1, degrees: 70.0 };
+    const TURN: Change = Change::Turn { axis: Axis::World(1), degrees: 70.0 };
 
     fn group(pivot: Pivot) -> Movable {
         let [active, a, b] = [0, 1, 2].map(|object| {
             let center = CENTERS[object as usize];
-            Subject { object, center, middle: center }
+            Subject { object, center, middle: center, hinge: None }
         });
         Movable { active, others: vec![a, b], pivot, tool: Tool::Turn }
     }
@@ -200,6 +210,29 @@ mod tests {
             let center = |poses: &Poses| CENTERS[1] + poses.of(1).translate;
             assert!(center(&after).distance(center(&before())) > 0.1, "negative control, {change:?}");
         }
+    }
+
+    #[test]
+    fn a_lid_turns_about_its_hinge_wherever_it_was_moved_before() {
+        let rest = group(Pivot::Active);
+        let (point, hinge) = (CENTERS[1] + Vec3::new(-0.3, 0.1, 0.0), Vec3::new(0.0, 0.6, 0.8));
+        let lid =
+            Movable { active: Subject { middle: point, hinge: Some(hinge), ..rest.others[0] }, others: vec![], ..rest };
+        let axes = lid.turn_axes(&before());
+        let [axis @ Axis::Hinge(_)] = axes[..] else { panic!("{axes:?}") };
+        let opened = after(&lid, Change::Turn { axis, degrees: 80.0 });
+        let at = |poses: &Poses, along: f32| {
+            poses.of(1).world_from_baked(CENTERS[1]).transform_point3(point + along * hinge)
+        };
+        for along in [-1.0, 0.0, 2.0] {
+            let way = at(&opened, along).distance(at(&before(), along));
+            assert!(way < 1e-4, "{along} m along the hinge: {way}");
+        }
+        let world = after(&lid, Change::Turn { axis: Axis::World(0), degrees: 80.0 });
+        assert!(at(&world, 2.0).distance(at(&before(), 2.0)) > 0.1, "negative control: about an axis of the world");
+        assert_eq!(group(Pivot::Active).turn_axes(&before()), Axis::OF_WORLD);
+        let all = Movable { pivot: Pivot::Selection, ..lid };
+        assert_eq!(all.turn_axes(&before()), Axis::OF_WORLD, "several have no hinge in common");
     }
 
     #[test]

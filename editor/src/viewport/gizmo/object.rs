@@ -2,7 +2,7 @@
 
 use super::{
     View,
-    change::{Change, move_step},
+    change::{Axis, Change, move_step},
     handles::{Constraint, Handle, Handles},
     movable::Movable,
     rings::{Rings, Sweep},
@@ -17,10 +17,11 @@ use lapidary_core::scene::pose::Poses;
 impl Movable {
     /// The projected handles; `None` behind the eye.
     pub(super) fn handles(&self, view: &View) -> Option<ObjectHandles> {
-        let (place, projection) = (self.place(&view.context.document.poses), &view.projection);
+        let (poses, projection) = (&view.context.document.poses, &view.projection);
+        let place = self.place(poses);
         Some(match self.tool {
             Tool::Move => ObjectHandles::Move(Handles::of(place, None, projection)?),
-            Tool::Turn => ObjectHandles::Turn(Rings::of(place, projection)?),
+            Tool::Turn => ObjectHandles::Turn(Rings::of(place, self.turn_axes(poses), projection)?),
             Tool::Scale => ObjectHandles::Scale(SizeHandle::of(place, projection)?),
         })
     }
@@ -75,7 +76,7 @@ pub struct ObjectDrag {
 enum Grip {
     /// On a line or a plane, at a position.
     Place(Constraint, Vec3),
-    Ring(usize, Sweep),
+    Ring(Axis, Sweep),
     Size(SizeHandle, Pos2),
 }
 
@@ -85,7 +86,10 @@ impl ObjectDrag {
         let (before, projection) = (view.context.document.poses.clone(), &view.projection);
         let place = movable.place(&before);
         let grip = match handle {
-            Handle::Ring(axis) => Grip::Ring(axis, Sweep::begun(axis, place, projection, pointer)?),
+            Handle::Ring(ring) => {
+                let axis = *movable.turn_axes(&before).get(ring)?;
+                Grip::Ring(axis, Sweep::begun(axis, place, projection, pointer)?)
+            }
             Handle::Size => Grip::Size(SizeHandle::of(place, projection)?, pointer),
             _ => {
                 let constraint = handle.constraint(projection.forward())?;

@@ -18,6 +18,9 @@ pub fn paint(ui: &Ui, rect: Rect, gizmo: &Gizmo, context: &ViewportContext) {
     if let Some(handles) = view.handles() {
         handles.paint(&painter, hot, accent);
     }
+    if let Some(place) = gizmo.pivot {
+        place.paint(&painter, &view, accent);
+    }
     if let Some(text) = words(&view, gizmo, hot.is_some()) {
         banner(&painter, rect, text);
     }
@@ -34,8 +37,8 @@ fn paint_lights(painter: &Painter, view: &View, gizmo: &Gizmo, accent: Color32) 
 
 /// Text on the running drag, or a hint on the hovered handle.
 fn words(view: &View, gizmo: &Gizmo, is_hot: bool) -> Option<String> {
-    if view.context.aiming {
-        return Some("Click the point to aim at (Esc: cancel)".into());
+    if let Some(click) = view.context.click_for {
+        return Some(click.words().into());
     }
     let hint = view.context.movable.as_ref().filter(|_| is_hot && view.light().is_none())?.hint(view);
     match gizmo.drag.as_ref().and_then(Drag::words) {

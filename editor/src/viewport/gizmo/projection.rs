@@ -34,6 +34,11 @@ impl Projection {
         self.of_camera.forward()
     }
 
+    /// Depth of a point in meters.
+    pub fn depth(&self, world: Vec3) -> f32 {
+        self.of_camera.depth(world)
+    }
+
     /// Projects a point; `None` behind the eye.
     pub fn point(&self, world: Vec3) -> Option<Pos2> {
         let view = self.view(world);

@@ -1,7 +1,8 @@
-//! Turn handles of an object: a ring about each axis of the world.
+//! Turn handles of an object: a ring about each axis of the world, or one about its hinge.
 
 use super::{
-    handles::{AXES, AXIS, COLORS, Constraint, Handle, LEAST_SEEN, REACH, distance_to_segment},
+    change::Axis,
+    handles::{AXIS, COLORS, Constraint, Handle, LEAST_SEEN, REACH, distance_to_segment},
     projection::Projection,
 };
 use egui::{Color32, Painter, Pos2, Stroke};
@@ -12,39 +13,44 @@ use std::f32::consts::TAU;
 const CHORDS: usize = 64;
 /// Depth behind the center to which a ring is drawn, in radii; a ring that faces the eye is drawn in full.
 const BEHIND: f32 = 0.15;
+/// Color of the ring about a hinge.
+const HINGE_COLOR: Color32 = Color32::from_rgb(246, 190, 60);
 
-/// The projected rings: the chords of each in front of the center.
-pub struct Rings {
-    chords: [Vec<[Pos2; 2]>; 3],
-}
+/// The projected rings: the axis of each, and its chords in front of the center.
+pub struct Rings(Vec<(Axis, Vec<[Pos2; 2]>)>);
 
 impl Rings {
-    /// The rings around a position; `None` behind the eye.
-    pub fn of(center: Vec3, projection: &Projection) -> Option<Self> {
+    /// The rings about axes through a position; `None` behind the eye.
+    pub fn of(center: Vec3, axes: Vec<Axis>, projection: &Projection) -> Option<Self> {
         let radius = AXIS * projection.metres_per_point(center)?;
         let toward_eye = (projection.eye() - center).normalize_or(Vec3::Z);
-        let chord = |axis: usize, i: usize| {
-            let ends = [i, i + 1].map(|i| on_ring(axis, i as f32 / CHORDS as f32 * TAU));
+        let chord = |axis: Axis, i: usize| {
+            let ends = [i, i + 1].map(|i| on_ring(axis.direction(), i as f32 / CHORDS as f32 * TAU));
             let is_before = (ends[0] + ends[1]).dot(toward_eye) > -2.0 * BEHIND;
             is_before.then(|| projection.segment(center + radius * ends[0], center + radius * ends[1])).flatten()
         };
-        Some(Self { chords: [0, 1, 2].map(|axis| (0..CHORDS).filter_map(|i| chord(axis, i)).collect()) })
+        let ring = |axis: Axis| (axis, (0..CHORDS).filter_map(|i| chord(axis, i)).collect());
+        Some(Self(axes.into_iter().map(ring).collect()))
     }
 
     /// The ring under the pointer.
     pub fn at(&self, pointer: Pos2) -> Option<Handle> {
-        let distance = |axis: usize| {
-            let distances = self.chords[axis].iter().map(|[a, b]| distance_to_segment(pointer, *a, *b));
-            (axis, distances.fold(f32::INFINITY, f32::min))
+        let distance = |(ring, (_, chords)): (usize, &(Axis, Vec<[Pos2; 2]>))| {
+            let distances = chords.iter().map(|[a, b]| distance_to_segment(pointer, *a, *b));
+            (ring, distances.fold(f32::INFINITY, f32::min))
         };
-        let nearest = (0..3).map(distance).min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.filter(|(_, distance)| *distance <= REACH).map(|(axis, _)| Handle::Ring(axis))
+        let nearest = self.0.iter().enumerate().map(distance).min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.filter(|(_, distance)| *distance <= REACH).map(|(ring, _)| Handle::Ring(ring))
     }
 
     /// Draws the rings, `hot` brighter.
     pub fn paint(&self, painter: &Painter, hot: Option<Handle>) {
-        for (axis, chords) in self.chords.iter().enumerate() {
-            let color = if hot == Some(Handle::Ring(axis)) { Color32::WHITE } else { COLORS[axis] };
+        for (ring, (axis, chords)) in self.0.iter().enumerate() {
+            let color = match axis {
+                _ if hot == Some(Handle::Ring(ring)) => Color32::WHITE,
+                Axis::World(axis) => COLORS[*axis],
+                Axis::Hinge(_) => HINGE_COLOR,
+            };
             for stroke in [Stroke::new(4.0, Color32::from_black_alpha(110)), Stroke::new(2.0, color)] {
                 chords.iter().for_each(|chord| _ = painter.line_segment(*chord, stroke));
             }
@@ -53,9 +59,10 @@ impl Rings {
 }
 
 /// The unit vector normal to an axis at an angle, counter-clockwise seen against the axis.
-fn on_ring(axis: usize, radians: f32) -> Vec3 {
+fn on_ring(axis: Vec3, radians: f32) -> Vec3 {
     let (sin, cos) = radians.sin_cos();
-    cos * AXES[(axis + 1) % 3] + sin * AXES[(axis + 2) % 3]
+    let across = axis.any_orthonormal_vector();
+    cos * across + sin * axis.cross(across)
 }
 
 /// A turn about an axis by a drag of a ring.
@@ -71,8 +78,8 @@ pub struct Sweep {
 
 impl Sweep {
     /// Takes hold of the ring about an axis at the pointer.
-    pub fn begun(axis: usize, center: Vec3, projection: &Projection, pointer: Pos2) -> Option<Self> {
-        let (axis, eye) = (AXES[axis], projection.eye());
+    pub fn begun(axis: Axis, center: Vec3, projection: &Projection, pointer: Pos2) -> Option<Self> {
+        let (axis, eye) = (axis.direction(), projection.eye());
         let toward_eye = (eye - center).normalize_or(Vec3::Z);
         let radius = AXIS * projection.metres_per_point(center)?;
         let is_open = axis.dot(toward_eye).abs() > LEAST_SEEN;
@@ -109,7 +116,7 @@ mod tests {
     fn seen_from(eye: Vec3) -> (Projection, Rings, f32) {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 600.0));
         let projection = Projection::new(&Camera::look_at(CENTER + eye, CENTER, 40.0), rect);
-        let rings = Rings::of(CENTER, &projection).unwrap();
+        let rings = Rings::of(CENTER, Axis::OF_WORLD.into(), &projection).unwrap();
         let radius = AXIS * projection.metres_per_point(CENTER).unwrap();
         (projection, rings, radius)
     }
@@ -128,11 +135,12 @@ mod tests {
     #[test]
     fn a_quarter_turn_on_a_ring_is_ninety_degrees() {
         let (projection, _, radius) = seen_from(Vec3::new(2.0, 1.5, 3.0));
-        for axis in 0..3 {
-            let at = |radians: f32| projection.point(CENTER + radius * on_ring(axis, radians)).unwrap();
+        for axis in Axis::OF_WORLD.into_iter().chain([Axis::Hinge(Vec3::new(0.6, 0.8, 0.0))]) {
+            let on_ring = |radians: f32| on_ring(axis.direction(), radians);
+            let at = |radians: f32| projection.point(CENTER + radius * on_ring(radians)).unwrap();
             let sweep = Sweep::begun(axis, CENTER, &projection, at(0.2)).unwrap();
             let turned = |radians: f32| sweep.radians(&projection, at(0.2 + radians)).unwrap();
-            assert!((turned(FRAC_PI_2) - FRAC_PI_2).abs() < 1e-3, "{axis}: {}", turned(FRAC_PI_2));
+            assert!((turned(FRAC_PI_2) - FRAC_PI_2).abs() < 1e-3, "{axis:?}: {}", turned(FRAC_PI_2));
             assert!((turned(-FRAC_PI_2) + FRAC_PI_2).abs() < 1e-3, "negative control: the other way round");
             assert!(turned(0.0).abs() < 1e-4);
         }
@@ -143,7 +151,7 @@ mod tests {
         let (projection, rings, radius) = seen_from(Vec3::new(0.0, 0.0, 4.0));
         let middle = projection.point(CENTER).unwrap();
         assert_eq!(rings.at(middle + vec2(40.0, 0.0)), Some(Handle::Ring(1)));
-        let sweep = Sweep::begun(1, CENTER, &projection, middle).unwrap();
+        let sweep = Sweep::begun(Axis::World(1), CENTER, &projection, middle).unwrap();
         // Seen from above, counter-clockwise takes the side toward the eye to the right.
         let right = projection.point(CENTER + radius * Vec3::X).unwrap();
         let turned = sweep.radians(&projection, right).unwrap();

@@ -6,7 +6,10 @@ use super::projection::Projection;
 use crate::{
     actions::{Action, CameraAction, LightAction, SelectAction},
     document::Edit,
-    viewport::test_window::{App, button, click, harness, seen_at},
+    viewport::{
+        ClickFor,
+        test_window::{App, button, click, harness, seen_at},
+    },
 };
 use egui::{Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
@@ -206,7 +209,7 @@ fn a_drag_beside_the_handles_orbits_and_without_a_selection_there_are_none() {
 fn a_click_aims_when_it_is_to_and_escape_gives_that_up() {
     let mut harness = harness();
     harness.state_mut().document.lights = vec![spot()];
-    (harness.state_mut().selected_light, harness.state_mut().aiming) = (Some(0), true);
+    (harness.state_mut().selected_light, harness.state_mut().click_for) = (Some(0), Some(ClickFor::Aim));
     harness.run();
     let place = seen_at(&harness, 1.1, 0.3);
     click(&mut harness, place);

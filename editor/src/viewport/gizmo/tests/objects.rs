@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::{
-    actions::{CameraAction, SelectAction},
+    actions::{CameraAction, PoseAction, SelectAction},
+    document::handling::PlacedPivot,
     viewport::gizmo::{Pivot, Tool},
 };
-use lapidary_core::scene::pose::Pose;
+use lapidary_core::{ray::Intersector, scene::pose::Pose};
 
 /// The right square of the scene, and its center.
 const OBJECT: u32 = 1;
@@ -222,4 +223,66 @@ fn handles_lie_at_the_pivot_and_scale_both_away_from_it() {
         active.distance(pose(&harness).scale * CENTER) < 1e-5 && active.distance(-other) < 1e-5,
         "{active} {other}"
     );
+}
+
+/// The pivot placed by a click, in the world.
+fn placed(harness: &mut Harness<App>, place: Vec3) -> Option<PlacedPivot> {
+    harness.state_mut().log.clear();
+    let at = at(harness, place);
+    click(harness, at);
+    let placed = |action: &Action| match action {
+        Action::Pose(PoseAction::PlacePivot(pivot)) => Some(*pivot),
+        _ => None,
+    };
+    harness.state().log.iter().find_map(placed).expect("the click places a pivot or gives it up")
+}
+
+#[test]
+fn a_click_on_an_edge_places_a_hinge_and_elsewhere_a_point() {
+    let mut harness = posing(None);
+    harness.state_mut().click_for = Some(ClickFor::Pivot);
+    harness.run();
+    let on_edge = placed(&mut harness, Vec3::new(0.5, 0.2, 0.0)).unwrap();
+    assert!(on_edge.hinge.unwrap().dot(Vec3::Y).abs() > 0.999, "{on_edge:?}");
+    assert!(on_edge.point.distance(Vec3::new(0.5, 0.2, 0.0)) < 0.02, "{on_edge:?}");
+    let upper = placed(&mut harness, Vec3::new(1.2, 0.5, 0.0)).unwrap();
+    assert!(upper.hinge.unwrap().dot(Vec3::X).abs() > 0.999, "{upper:?}");
+    let inside = placed(&mut harness, CENTER).unwrap();
+    assert_eq!(inside.hinge, None, "the diagonal of a flat square is no edge");
+    assert!(inside.point.distance(CENTER) < 0.02, "{inside:?}");
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(matches!(harness.state().log.last(), Some(Action::Pose(PoseAction::PlacePivot(None)))));
+}
+
+#[test]
+fn an_edge_behind_the_surface_under_the_pointer_is_not_taken() {
+    let mut harness = posing(None);
+    let app = harness.state_mut();
+    app.click_for = Some(ClickFor::Pivot);
+    // The other square goes behind this one, with an edge across its middle.
+    app.document.camera.eye = Vec3::new(1.0, 0.0, 5.0);
+    app.document.camera.target = CENTER;
+    for corner in 0..4 {
+        app.mesh.positions[corner] += Vec3::new(2.4, 0.0, -2.0);
+    }
+    app.intersector = Intersector::new(&app.mesh);
+    harness.run();
+    let hidden = app_edge(&harness);
+    let behind = placed(&mut harness, hidden).unwrap();
+    assert_eq!(behind.hinge, None, "{behind:?}");
+    for corner in 0..4 {
+        harness.state_mut().mesh.positions[corner].z += 4.0;
+    }
+    let mesh = harness.state().mesh.clone();
+    harness.state_mut().intersector = Intersector::new(&mesh);
+    harness.run();
+    let seen = app_edge(&harness);
+    assert!(placed(&mut harness, seen).unwrap().hinge.is_some(), "negative control: before it");
+}
+
+/// The middle of the left edge of the other square.
+fn app_edge(harness: &Harness<App>) -> Vec3 {
+    let positions = &harness.state().mesh.positions;
+    0.5 * (positions[0] + positions[3])
 }
