@@ -1,4 +1,5 @@
-// The pinhole camera of a frame: from pixels to rays, and from points to pixels. Twin of `Projection` in core/src/camera.rs.
+// The camera of a frame: from pixels to rays, and from points to pixels. Each sample of a lens sees through a pinhole. Twin of
+// `Projection` in core/src/camera.rs.
 
 struct Ray {
     origin: vec3<f32>,
@@ -6,13 +7,9 @@ struct Ray {
     direction: vec3<f32>,
 }
 
-// The middle of a lens, as a sample of it: all that a pinhole has.
-const PINHOLE: vec2<f32> = vec2<f32>(0.0);
-
-// The ray through the sample of a pixel from a sample of the lens. A lens with an aperture would have its place here.
-fn ray(pixel: vec2<u32>, lens: vec2<f32>) -> Ray {
-    let size = vec2<f32>(frame.size);
-    let ndc = (2.0 * (vec2<f32>(pixel) + frame.pixel_offset) - size) / size.y;
+// The ray through the sample of a pixel.
+fn ray(pixel: vec2<u32>) -> Ray {
+    let ndc = (2.0 * (vec2<f32>(pixel) + frame.pixel_offset) - 2.0 * frame.center) / f32(frame.size.y);
     let view = vec3(ndc.x * frame.tan_half_fov, -ndc.y * frame.tan_half_fov, -1.0);
     return Ray(frame.eye, normalize(frame.world_from_view * view));
 }
@@ -20,9 +17,8 @@ fn ray(pixel: vec2<u32>, lens: vec2<f32>) -> Ray {
 // Pixel coordinates times depth, and depth: homogeneous, so that points behind the eye do no harm.
 fn project(world: vec3<f32>) -> vec3<f32> {
     let p = (world - frame.eye) * frame.world_from_view;
-    let center = 0.5 * vec2<f32>(frame.size);
-    let focal = center.y / frame.tan_half_fov;
-    return vec3(center.x * -p.z + focal * p.x, center.y * -p.z - focal * p.y, -p.z);
+    let focal = 0.5 * f32(frame.size.y) / frame.tan_half_fov;
+    return vec3(frame.center.x * -p.z + focal * p.x, frame.center.y * -p.z - focal * p.y, -p.z);
 }
 
 // Meters that a pixel spans at a depth.

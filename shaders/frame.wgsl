@@ -50,6 +50,9 @@ struct FrameUniforms {
     of_lobe: f32,
     // Pixels of the picture per pixel of points that mirrors show.
     picture_stride: vec2<u32>,
+    // Where the optical axis meets the picture, in pixels.
+    center: vec2<f32>,
+    padding: vec2<u32>,
 }
 
 // Points whose mirrors show the scene along rays; those of others show the environment's map.

@@ -16,7 +16,7 @@ struct Guide {
 }
 
 fn guide(g: vec4<u32>, pixel: vec2<u32>) -> Guide {
-    let point = surface_point(g, pixel, ray(pixel, PINHOLE).direction);
+    let point = surface_point(g, pixel, ray(pixel).direction);
     let share = max(albedo_of(point.brdf), vec3(LEAST_ALBEDO));
     let divisor = select(vec3(1.0), share, frame.view_mode == VIEW_SHADED);
     let material = triangles[g.x - 1u].material & ~TWO_SIDED;

@@ -4,5 +4,5 @@ fn seen_along(pixel: vec2<u32>) -> vec3<f32> {
     if is_in_mirrors() {
         return textureLoad(mirror_rays, pixel, 0).xyz;
     }
-    return ray(pixel, PINHOLE).direction;
+    return ray(pixel).direction;
 }

@@ -15,7 +15,7 @@ const OTHER: f32 = 1e-3;
 fn written_at(texel: vec2<u32>) -> Sums {
     let begun = begin(texel);
     if !begun.has_surface {
-        return with_background(begun, ray(begun.pixel, PINHOLE).direction);
+        return with_background(begun, ray(begun.pixel).direction);
     }
     let here = guide(begun.g, begun.pixel);
     let lines = lines_at(begun.pixel, triangles[begun.g.x - 1u].vertices);

@@ -7,6 +7,6 @@ fn written_at(pixel: vec2<u32>) -> Surface {
     if id == 0u {
         return NO_SURFACE;
     }
-    let direction = ray(pixel, PINHOLE).direction;
+    let direction = ray(pixel).direction;
     return surface_seen(id, hit_triangle(id - 1u, direction), direction);
 }

@@ -1,4 +1,8 @@
-//! A pinhole camera, its rays and its projection.
+//! A camera, its lens, its rays and its projection.
+
+mod lens;
+
+pub use lens::{LEAST_F_NUMBER, Lens, MOST_SHIFT, SENSORS_MM, aperture_sample, disc};
 
 use crate::bounds::is_within_reach;
 use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
@@ -13,7 +17,7 @@ pub fn field_of_view_range() -> String {
     format!("{narrowest:.3} to {widest:.1} degrees")
 }
 
-/// A pinhole camera that looks from `eye` at `target`.
+/// A camera that looks from `eye` at `target`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// Name from the source file.
@@ -27,12 +31,15 @@ pub struct Camera {
     pub up: Vec3,
     /// Vertical field of view in radians.
     pub fov_y: f32,
+    /// Its lens.
+    #[serde(default, skip_serializing_if = "Lens::is_default")]
+    pub lens: Lens,
 }
 
 impl Camera {
     /// A camera with +Y upward; `fov_y_degrees` is the vertical field of view.
     pub fn look_at(eye: Vec3, target: Vec3, fov_y_degrees: f32) -> Self {
-        Self { name: String::new(), eye, target, up: Vec3::Y, fov_y: fov_y_degrees.to_radians() }
+        Self { name: String::new(), eye, target, up: Vec3::Y, fov_y: fov_y_degrees.to_radians(), lens: Lens::default() }
     }
 
     /// A three-quarter view that holds a sphere of `radius` around `center` in frame.
@@ -42,11 +49,12 @@ impl Camera {
         Self::look_at(center + distance * Vec3::new(0.45, 0.35, 0.82).normalize(), center, fov_y)
     }
 
-    /// Whether its points are within reach, its upward direction is finite, and its field of view is in [`FIELD_OF_VIEW`].
+    /// Whether its points are within reach, its upward direction is finite, its field of view is in [`FIELD_OF_VIEW`], and its lens is
+    /// valid.
     pub fn is_valid(&self) -> bool {
         let [narrowest, widest] = FIELD_OF_VIEW;
-        let lens = (narrowest..=widest).contains(&self.fov_y);
-        is_within_reach(self.eye) && is_within_reach(self.target) && is_within_reach(self.up) && lens
+        let is_open = (narrowest..=widest).contains(&self.fov_y) && self.lens.is_valid();
+        is_within_reach(self.eye) && is_within_reach(self.target) && is_within_reach(self.up) && is_open
     }
 
     /// Columns are the right, up and backward axes of the camera in world space.
@@ -69,12 +77,9 @@ impl Camera {
 
     /// The unit direction through the center of the lens and `pixel` of a picture of `size`, see [`Projection::ray`].
     pub fn direction_through(&self, pixel: Vec2, size: [u32; 2]) -> Vec3 {
-        self.projection(size).ray(pixel, PINHOLE).1
+        self.projection(size).ray(pixel).1
     }
 }
-
-/// The center of the lens as a lens sample, the only one of a pinhole.
-pub const PINHOLE: Vec2 = Vec2::ZERO;
 
 /// A camera with its picture: maps pixels to rays, and points to pixels. Positions in the picture are in pixels from
 /// its top left corner; the center of the first pixel is (0.5, 0.5). Twin of `shaders/camera.wgsl`.
@@ -88,7 +93,7 @@ pub struct Projection {
     /// Half the height of the picture at a depth of 1.
     pub tan_half_fov: f32,
     size: Vec2,
-    /// Center of the picture in pixels.
+    /// Where the optical axis meets the picture, in pixels.
     pub center: Vec2,
     /// Distance of the picture plane from the eye in pixels.
     pub focal: f32,
@@ -97,7 +102,8 @@ pub struct Projection {
 impl Projection {
     /// The projection onto a picture of `size`, in pixels or any other unit.
     pub fn new(camera: &Camera, size: Vec2) -> Self {
-        let (world_from_view, tan_half_fov, center) = (camera.world_from_view(), camera.tan_half_fov(), 0.5 * size);
+        let (world_from_view, tan_half_fov) = (camera.world_from_view(), camera.tan_half_fov());
+        let center = 0.5 * size + size.y * camera.lens.shift * Vec2::new(-1.0, 1.0);
         Self {
             eye: camera.eye,
             world_from_view,
@@ -105,15 +111,14 @@ impl Projection {
             tan_half_fov,
             size,
             center,
-            focal: center.y / tan_half_fov,
+            focal: 0.5 * size.y / tan_half_fov,
         }
     }
 
-    /// Origin and unit direction of the ray through `pixel` from a sample of the lens, -1 to 1. A lens with an aperture
-    /// would use it here; a pinhole uses [`PINHOLE`].
+    /// Origin and unit direction of the ray through `pixel` of a pinhole, see [`Camera::through`].
     #[inline]
-    pub fn ray(&self, pixel: Vec2, _lens: Vec2) -> (Vec3, Vec3) {
-        let ndc = (2.0 * pixel - self.size) / self.size.y;
+    pub fn ray(&self, pixel: Vec2) -> (Vec3, Vec3) {
+        let ndc = (2.0 * pixel - 2.0 * self.center) / self.size.y;
         let tan = self.tan_half_fov;
         (self.eye, (self.world_from_view * Vec3::new(ndc.x * tan, -ndc.y * tan, -1.0)).normalize())
     }
@@ -163,7 +168,8 @@ impl Projection {
     /// distance: 1 at the near plane, 0 at infinity.
     pub fn clip_from_world(&self, in_pixel: Vec2, near: f32) -> Mat4 {
         let (size, tan) = (self.size, self.tan_half_fov);
-        let shift = (Vec2::splat(1.0) - 2.0 * in_pixel) / size * Vec2::new(1.0, -1.0);
+        let beside = 2.0 * (self.center - 0.5 * size);
+        let shift = (Vec2::splat(1.0) - 2.0 * in_pixel + beside) / size * Vec2::new(1.0, -1.0);
         let clip_from_view = Mat4::from_cols(
             Vec4::new(size.y / (size.x * tan), 0.0, 0.0, 0.0),
             Vec4::new(0.0, 1.0 / tan, 0.0, 0.0),
@@ -201,7 +207,7 @@ mod tests {
         let camera = Camera::look_at(Vec3::new(0.3, 1.0, 4.0), Vec3::new(0.0, 0.2, 0.0), 40.0);
         let projection = camera.projection([64, 48]);
         for pixel in [Vec2::new(0.5, 0.5), Vec2::new(40.0, 7.25), Vec2::new(63.5, 47.5)] {
-            let (origin, direction) = projection.ray(pixel, PINHOLE);
+            let (origin, direction) = projection.ray(pixel);
             let (seen, depth) = projection.pixel_of(origin + 3.0 * direction).unwrap();
             assert!((seen - pixel).length() < 1e-3 && depth > 2.0, "{seen}");
             assert_eq!(projection.pixel_of(origin - direction), None);
@@ -214,7 +220,7 @@ mod tests {
         let projection = camera.projection([64, 48]);
         for (pixel, offset) in [([3.0, 5.0], [0.1, 0.8]), ([60.0, 40.0], [0.9, 0.2]), ([0.0, 0.0], [0.5, 0.5])] {
             let (pixel, offset) = (Vec2::from(pixel), Vec2::from(offset));
-            let (origin, direction) = projection.ray(pixel + offset, PINHOLE);
+            let (origin, direction) = projection.ray(pixel + offset);
             let clip = projection.clip_from_world(offset, 0.01) * (origin + 7.0 * direction).extend(1.0);
             let ndc = clip / clip.w;
             let position = Vec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * Vec2::new(64.0, 48.0);

@@ -1,7 +1,7 @@
 //! The pictures that a bake is for: vertices matter most where their cameras look.
 
 use crate::camera::Camera;
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Surfaces at more grazing angles count with this cosine, so that they are never left without vertices.
@@ -39,6 +39,7 @@ impl Shot {
             eye: self.camera.eye,
             view_from_world: self.camera.world_from_view().transpose(),
             half_height: self.camera.tan_half_fov(),
+            shift: 2.0 * self.camera.lens.shift * self.camera.tan_half_fov(),
             aspect: self.aspect,
         }
     }
@@ -52,6 +53,8 @@ pub struct Frustum {
     view_from_world: Mat3,
     /// Half the height of the picture at a depth of 1.
     half_height: f32,
+    /// The middle of the picture at a depth of 1, beside the optical axis.
+    shift: Vec2,
     aspect: f32,
 }
 
@@ -62,8 +65,8 @@ impl Frustum {
         let Self { half_height, .. } = *self;
         let view = self.view_from_world * (position - self.eye);
         let depth = -view.z;
-        let inside =
-            view.y.abs() <= MARGIN * half_height * depth && view.x.abs() <= MARGIN * self.aspect * half_height * depth;
+        let beside = (view.truncate() - self.shift * depth).abs();
+        let inside = beside.y <= MARGIN * half_height * depth && beside.x <= MARGIN * self.aspect * half_height * depth;
         if !(depth > 0.0 && inside) {
             return 0.0;
         }

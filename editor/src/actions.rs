@@ -114,6 +114,10 @@ pub enum CameraAction {
     To(Camera),
     /// Move back so that the selection, or the scene, is in view.
     FrameSelection,
+    /// Wait for a click on what is to be sharp.
+    AskForFocus,
+    /// Focus a point, and end the wait; without a point only end it.
+    Focus(Option<Vec3>),
     /// Frame the whole scene.
     FrameAll,
     /// Return to the first view of the document.

@@ -48,7 +48,7 @@ pub fn illumination(document: &Document, environment: Arc<Environment>) -> Illum
 pub fn view_of(document: &Document, size: [u32; 2]) -> View {
     let view = &document.view;
     View {
-        aa: view.aa,
+        aa: view.aa.max(document.camera.lens.least_samples()),
         background: view.background(),
         ground: document.bake.ground,
         mirrors: view.mirrors,

@@ -4,10 +4,7 @@
 //! (NaN, infinity, the eye on its target) returns the camera unchanged.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{
-    bounds::Bounds,
-    camera::{Camera, PINHOLE},
-};
+use lapidary_core::{bounds::Bounds, camera::Camera};
 
 /// Turning stops just short of the poles, where +Y no longer defines up.
 const MAX_PITCH: f32 = 89.9_f32.to_radians();
@@ -124,7 +121,7 @@ pub fn axis_view(camera: &Camera, view: AxisView) -> Camera {
 /// The point under `pixel` of a picture of `size`, on the plane through the target that faces the camera.
 pub fn point_on_target_plane(camera: &Camera, pixel: Vec2, size: [u32; 2]) -> Vec3 {
     let projection = camera.projection(size);
-    let (origin, direction) = projection.ray(pixel, PINHOLE);
+    let (origin, direction) = projection.ray(pixel);
     origin + direction * (distance(camera) / direction.dot(projection.forward()))
 }
 

@@ -1,11 +1,13 @@
 //! Settings of the picture and its display, and the camera.
 
+pub mod lens;
 #[cfg(test)]
 mod tests;
 
 use crate::{
     actions::{Action, CameraAction},
     document::{BackgroundKind, Document, Edit, ShownMaterials, ViewSettings},
+    viewport::gate::SHAPES,
     widgets::{
         Edited, Number, check_row, choice_row, color_row, edit_row,
         entries::{Decades, combo_row, decades_row, point_row},
@@ -13,13 +15,9 @@ use crate::{
     },
 };
 use egui::{Button, Ui};
-use lapidary_core::{camera::Camera, cut::lit::DEFAULT_TAU};
+use lapidary_core::cut::lit::DEFAULT_TAU;
 use lapidary_render::{BrdfSampling, ToneMap, ViewMode};
 
-/// Half the height of a 36 x 24 mm sensor in millimeters, for focal lengths.
-const HALF_SENSOR_MM: f32 = 12.0;
-/// Vertical fields of view in degrees that can be set.
-const FIELDS_OF_VIEW: [f32; 2] = [5.0, 120.0];
 /// Budgets of the illumination cut from the paper's figures and around them.
 const CUT_PRESETS: [u32; 6] = [32, 64, 128, 256, 512, 1024];
 
@@ -27,6 +25,8 @@ const CUT_PRESETS: [u32; 6] = [32, 64, 128, 256, 512, 1024];
 pub struct ViewContext<'a> {
     /// The document.
     pub document: &'a Document,
+    /// Whether the next click into the viewport focuses the camera.
+    pub focusing: bool,
 }
 
 /// Shows the panel. It keeps nothing between frames.
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, context: &ViewContext, actions: &mut Vec<Action>) {
         background(ui, view, actions);
     });
     section(ui, "Picture", true, |ui| picture(ui, view, actions));
-    section(ui, "Camera", true, |ui| camera(ui, &context.document.camera, actions));
+    section(ui, "Camera", true, |ui| camera(ui, context, actions));
 }
 
 fn display(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
@@ -188,47 +188,23 @@ fn illumination_cut(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>)
     });
 }
 
-fn camera(ui: &mut Ui, now: &Camera, actions: &mut Vec<Action>) {
-    let mut camera = now.clone();
-    let mut edited = lens(ui, &mut camera);
+/// The shape of the pictures, and its safe parts.
+fn shape(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let help =
+        "Width over height of the pictures to deliver. The viewport takes it on, so that it shows all that they will.";
+    edit_row(actions, "Shape", view, Edit::View, |v| combo_row(ui, "Shape", help, &mut v.aspect, &SHAPES));
+    let help = "Lines around the parts of the picture that all screens show, and in which titles belong.";
+    edit_row(actions, "Safe frames", view, Edit::View, |v| check_row(ui, "Safe frames", help, &mut v.safe_frames));
+}
+
+fn camera(ui: &mut Ui, context: &ViewContext, actions: &mut Vec<Action>) {
+    let mut camera = context.document.camera.clone();
+    shape(ui, &context.document.view, actions);
+    let mut edited = lens::show(ui, &mut camera, context, actions);
     edited |= point_row(ui, "Position", "Position of the camera in meters.", &mut camera.eye);
     edited |= point_row(ui, "Target", "Point that the camera looks at and orbits, in meters.", &mut camera.target);
     // A camera at its own target has no direction.
-    if edited.changed && camera.eye.distance(camera.target) > 1e-6 && is_finite(&camera) {
+    if edited.changed && camera.eye.distance(camera.target) > 1e-6 && camera.is_valid() {
         actions.push(Action::Camera(CameraAction::To(camera)));
     }
-}
-
-fn is_finite(camera: &Camera) -> bool {
-    camera.eye.is_finite() && camera.target.is_finite() && camera.fov_y.is_finite()
-}
-
-/// Field of view and focal length, two forms of one value.
-fn lens(ui: &mut Ui, camera: &mut Camera) -> Edited {
-    let [narrowest, widest] = FIELDS_OF_VIEW;
-    let field = Number::new("Field of view", "Vertical, in degrees.", narrowest..=widest, 40.0).unit("°", 1);
-    let mut degrees = camera.fov_y.to_degrees();
-    let field = slider_row(ui, &field, &mut degrees);
-    if field.changed {
-        camera.fov_y = degrees.to_radians();
-    }
-    let [longest, shortest] = FIELDS_OF_VIEW.map(|d| focal_from_fov(d.to_radians()));
-    let help = "Focal length of a 36 x 24 mm camera with this vertical field of view.";
-    let focal = Number::new("Focal length", help, shortest..=longest, focal_from_fov(40_f32.to_radians()));
-    let mut focal_mm = focal_from_fov(camera.fov_y);
-    let focal = slider_row(ui, &focal.unit(" mm", 1), &mut focal_mm);
-    if focal.changed {
-        camera.fov_y = fov_from_focal(focal_mm);
-    }
-    field | focal
-}
-
-/// Focal length in millimeters for a vertical field of view in radians.
-fn focal_from_fov(fov_y: f32) -> f32 {
-    HALF_SENSOR_MM / (0.5 * fov_y).tan()
-}
-
-/// Vertical field of view in radians for a focal length in millimeters.
-fn fov_from_focal(focal_mm: f32) -> f32 {
-    2.0 * (HALF_SENSOR_MM / focal_mm).atan()
 }

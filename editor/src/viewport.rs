@@ -18,6 +18,7 @@ pub mod camera_text;
 mod clusters;
 pub mod compare;
 mod dropping;
+pub mod gate;
 pub mod gizmo;
 mod input;
 mod legend;
@@ -28,7 +29,7 @@ pub mod pick;
 pub use input::turn_environment;
 
 use crate::{
-    actions::{Action, LightAction, PoseAction, SelectAction},
+    actions::{Action, CameraAction, LightAction, PoseAction, SelectAction},
     document::Document,
     scene::object_menu,
     viewport::compare::CompareView,
@@ -71,6 +72,8 @@ pub enum ClickFor {
     Aim,
     /// It places the pivot of the selected object.
     Pivot,
+    /// It focuses the camera.
+    Focus,
 }
 
 impl ClickFor {
@@ -78,6 +81,7 @@ impl ClickFor {
     fn words(self) -> &'static str {
         match self {
             Self::Aim => "Click the point to aim at (Esc: cancel)",
+            Self::Focus => "Click what is to be sharp (Esc: cancel)",
             Self::Pivot => "Click an edge for a hinge, or any point to turn about it (Esc: cancel)",
         }
     }
@@ -86,6 +90,7 @@ impl ClickFor {
     fn given_up(self) -> Action {
         match self {
             Self::Aim => Action::Light(LightAction::Aim(None)),
+            Self::Focus => Action::Camera(CameraAction::Focus(None)),
             Self::Pivot => Action::Pose(PoseAction::PlacePivot(None)),
         }
     }
@@ -200,7 +205,12 @@ pub fn show(
     actions: &mut Vec<Action>,
 ) -> ViewportResponse {
     // Not focusable: its keys work without focus, and Tab goes from panel to panel.
-    let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::CLICK | Sense::DRAG);
+    let (room, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
+    let rect = gate::gate(room, context.document.view.aspect);
+    if rect != room {
+        ui.painter().rect_filled(room, 0.0, ui.visuals().extreme_bg_color);
+    }
+    let response = ui.interact(rect, ui.scope_id().with("viewport"), Sense::CLICK | Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, ui.is_enabled(), "Viewport"));
     let size_px = pixels(rect, ui.pixels_per_point());
     if context.placeholder.is_none() {
@@ -274,6 +284,9 @@ fn paint_all(ui: &mut Ui, response: &Response, state: &mut ViewportState, contex
             legend::paint(&ui.painter_at(rect), rect, context);
         }
         paint::badges(ui, rect, context);
+    }
+    if context.document.view.safe_frames && context.placeholder.is_none() {
+        gate::paint_safe(&ui.painter_at(rect), rect);
     }
     paint::drop_hint(ui, rect, context.accent);
 }

@@ -3,7 +3,7 @@
 use crate::view_mode::{BasisView, ViewMode};
 use glam::{DVec2, Vec2, Vec3};
 use lapidary_core::{
-    camera::{Camera, Projection},
+    camera::{Camera, Projection, aperture_sample},
     ground::Ground,
     image::{Image, Region},
 };
@@ -81,7 +81,7 @@ impl View {
         if self.ground == Ground::Shadow && is_seen_through { Ground::Off } else { self.ground }
     }
 
-    /// Maps pixels to rays, and points to pixels.
+    /// Maps pixels to rays, and points to pixels, from the center of the lens.
     pub fn projection(&self) -> Projection {
         self.camera.projection(self.size)
     }
@@ -91,6 +91,16 @@ impl View {
         let View { camera, size, aa, .. } = self.clone();
         let is_moved = (&camera, size) != (&other.camera, other.size);
         self.mode == ViewMode::Shaded && is_moved && View { camera, size, aa, ..other.clone() } == *self
+    }
+
+    /// The same for a sample of each pixel, which sees through another point of the lens.
+    pub fn projection_of(&self, sample: u32) -> Projection {
+        self.projection_through(aperture_sample(sample % self.aa.max(1)))
+    }
+
+    /// The same through a point of the lens, in its unit disc.
+    pub(crate) fn projection_through(&self, point: Vec2) -> Projection {
+        self.camera.through(point).projection(self.size)
     }
 
     /// Positions of the samples within a pixel, the same for all pixels and renderers: the center, or points of the R2 sequence

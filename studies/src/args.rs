@@ -2,6 +2,7 @@
 
 mod backend;
 pub mod choices;
+mod lens;
 mod light;
 mod outside;
 mod picture;
@@ -10,6 +11,7 @@ mod shot;
 mod view;
 
 pub use backend::{AdapterMemory, BackendOption, DeviceArgs, MeasuredPath, PathMemory, shader_source};
+pub use lens::LensArgs;
 pub use light::{LocalLightArgs, warn_of_buried};
 pub use outside::OutsideArgs;
 pub use picture::PictureArgs;

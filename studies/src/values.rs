@@ -1,9 +1,10 @@
 //! Parsers for option values.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lapidary_core::{
     bounds::{MOST_COORDINATE, is_within_reach},
+    camera::{LEAST_F_NUMBER, MOST_SHIFT, SENSORS_MM},
     environment::MOST_INTENSITY,
 };
 use lapidary_render::Region;
@@ -173,6 +174,43 @@ pub fn positive(text: &str) -> Result<f32, String> {
 /// The problem in words.
 pub fn field_of_view(text: &str) -> Result<f32, String> {
     between(text, 1.0, 170.0)
+}
+
+/// An f-number.
+///
+/// # Errors
+/// The problem in words.
+pub fn f_number(text: &str) -> Result<f32, String> {
+    between(text, LEAST_F_NUMBER, 1000.0)
+}
+
+/// A distance in focus, in meters.
+///
+/// # Errors
+/// The problem in words.
+pub fn focus(text: &str) -> Result<f32, String> {
+    between(text, 1e-6, MOST_COORDINATE)
+}
+
+/// The height of a sensor in millimeters.
+///
+/// # Errors
+/// The problem in words.
+pub fn sensor(text: &str) -> Result<f32, String> {
+    let [least, most] = SENSORS_MM;
+    between(text, least, most)
+}
+
+/// A shift of the picture to the right and up, in heights of it.
+///
+/// # Errors
+/// The problem in words.
+pub fn shift(text: &str) -> Result<Vec2, String> {
+    let numbers: Vec<f32> = text.split(',').map(|n| between(n, -MOST_SHIFT, MOST_SHIFT)).collect::<Result<_, _>>()?;
+    match numbers[..] {
+        [x, y] => Ok(Vec2::new(x, y)),
+        _ => Err(format!("two numbers are needed, as in 0,0.2, not {}", numbers.len())),
+    }
 }
 
 fn between(text: &str, low: f32, high: f32) -> Result<f32, String> {

@@ -191,7 +191,7 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
             scrolled(ui, |ui| lights::show(ui, &mut state.lights, &state.work, &state.picture, &suns, actions));
         }
         Inspector::View => {
-            let context = ViewContext { document: &state.work.document };
+            let context = ViewContext { document: &state.work.document, focusing: state.interface.focusing };
             scrolled(ui, |ui| view::show(ui, &context, actions));
         }
         Inspector::Bake => scrolled(ui, |ui| state.baking.show(ui, &state.work, actions)),
@@ -252,6 +252,9 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
 
 /// What the next click in the viewport is for.
 fn click_for(state: &EditorState) -> Option<ClickFor> {
+    if state.interface.focusing {
+        return Some(ClickFor::Focus);
+    }
     if state.work.selected_light().is_some() {
         return state.lights.aiming.then_some(ClickFor::Aim);
     }

@@ -15,9 +15,11 @@ use crate::{
     navigation::axis_view,
     preferences::{FileUse, Preferences},
     scene,
+    view::lens::focused,
     workspace::Side,
 };
 use egui::{Context, ViewportCommand};
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 impl EditorState {
@@ -75,11 +77,23 @@ impl EditorState {
     fn perform_camera(&mut self, ctx: &Context, action: CameraAction) {
         match action {
             CameraAction::To(camera) => self.work.document.camera = camera,
+            CameraAction::AskForFocus => self.interface.focusing = !self.interface.focusing,
+            CameraAction::Focus(point) => self.focus(point),
             CameraAction::FrameSelection => self.frame_selection(),
             CameraAction::FrameAll => self.frame_all(),
             CameraAction::Reset => self.reset_camera(),
             CameraAction::Copy => self.copy_camera(ctx),
             CameraAction::Paste => self.ask_for_camera(ctx),
+        }
+    }
+
+    /// Focuses a point before the camera.
+    fn focus(&mut self, point: Option<Vec3>) {
+        self.interface.focusing = false;
+        let camera = &self.work.document.camera;
+        let depth = point.map(|point| camera.projection(self.work.viewport_size).depth(point));
+        if let Some(depth) = depth.filter(|depth| *depth > 0.0) {
+            self.work.document.camera = focused(camera, depth);
         }
     }
 
@@ -115,7 +129,8 @@ impl EditorState {
     /// The look and scene to export; `None` without a picture.
     pub(super) fn exported(&self) -> Option<Exported> {
         let baked = self.work.scene.rendered()?.clone();
-        Some((self.look(self.work.viewport_size)?, baked))
+        let look = self.look(self.work.viewport_size)?;
+        Some(Exported { look, baked, selected: self.pose.spin(&self.work) })
     }
 
     /// Requests the clipboard, which comes as an event some frames later.

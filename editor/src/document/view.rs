@@ -55,6 +55,10 @@ pub struct ViewSettings {
     pub materials: ShownMaterials,
     /// Draws the triangles' edges over the picture.
     pub wireframe: bool,
+    /// Width over height of the delivered pictures, which the viewport takes on; `None` for that of the window.
+    pub aspect: Option<f32>,
+    /// Draws lines around the parts of the picture that are safe for action and titles.
+    pub safe_frames: bool,
     /// Milliseconds per picture while something moves; resolution adapts to it.
     pub frame_budget_ms: f32,
 }
@@ -75,6 +79,8 @@ impl Default for ViewSettings {
             basis: BasisView::default(),
             materials: ShownMaterials::default(),
             wireframe: false,
+            aspect: None,
+            safe_frames: false,
             frame_budget_ms: 100.0,
         }
     }

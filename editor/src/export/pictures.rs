@@ -33,6 +33,8 @@ pub struct PicturesDialog {
     /// The pictures.
     pub output: Output,
     viewport: [u32; 2],
+    /// Width over height of the view; `None` for any.
+    aspect: Option<f32>,
     /// Whether files that exist are written anew.
     replaces: bool,
     /// Why they cannot be rendered.
@@ -42,11 +44,13 @@ pub struct PicturesDialog {
 impl PicturesDialog {
     /// All looks of a document, or what is shown if it has none, in `folder`, in files that begin with `name`.
     pub fn new(shown: &PictureOfDocument, folder: &Path, name: &str) -> Self {
+        let aspect = shown.document.view.aspect;
         let looks = shown.document.looks.iter().map(|look| (look.name.clone(), true));
         Self {
             chosen: [("As shown".to_owned(), looks.len() == 0)].into_iter().chain(looks).collect(),
-            output: Output::new([1920, 1080], shown.document.view.aa, folder.into(), name),
+            output: Output::new(shaped([1920, 1080], aspect), samples_of(shown), folder.into(), name),
             viewport: shown.size,
+            aspect,
             replaces: false,
             problem: None,
         }
@@ -136,6 +140,7 @@ impl PicturesDialog {
         ui.horizontal(|ui| {
             self.output.size_entries(ui, "Picture");
             for (size, label) in SIZES.into_iter().chain([(self.viewport, "Viewport")]) {
+                let size = if size == self.viewport { size } else { shaped(size, self.aspect) };
                 ui.selectable_value(&mut self.output.size, size, label);
             }
         });
@@ -154,5 +159,35 @@ impl PicturesDialog {
         check_box(ui, &mut self.replaces, "Replace existing").on_hover_text("Write files anew that exist already");
         ui.end_row();
         chosen
+    }
+}
+
+/// Samples of a pixel that the view asks for.
+fn samples_of(shown: &PictureOfDocument) -> u32 {
+    shown.document.view.aa.max(shown.document.camera.lens.least_samples())
+}
+
+/// A size whose longer side is that of `size`, in another shape. Videos need even numbers.
+fn shaped(size: [u32; 2], aspect: Option<f32>) -> [u32; 2] {
+    let Some(aspect) = aspect else { return size };
+    let longer = size[0].max(size[1]);
+    let even = |length: f32| (2 * (0.5 * length).round() as u32).max(2);
+    match aspect >= 1.0 {
+        true => [longer, even(longer as f32 / aspect)],
+        false => [even(longer as f32 * aspect), longer],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_keep_their_longer_side_in_another_shape() {
+        assert_eq!(shaped([1920, 1080], None), [1920, 1080]);
+        assert_eq!(shaped([3840, 2160], Some(16.0 / 9.0)), [3840, 2160]);
+        assert_eq!(shaped([3840, 2160], Some(2.39)), [3840, 1606]);
+        assert_eq!(shaped([1920, 1080], Some(9.0 / 16.0)), [1080, 1920]);
+        assert_eq!(shaped([1920, 1080], Some(1.0)), [1920, 1920]);
     }
 }

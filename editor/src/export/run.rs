@@ -27,6 +27,7 @@ use lapidary_studies::{
     },
     jobs::export::{ExportMessage, ExportRun, ExportTask},
     outputs::{CommandFiles, create_folder},
+    sequence::Spin,
     terminal::error_text,
 };
 use std::{
@@ -43,7 +44,14 @@ const NOTHING: &str = "There is nothing to export; open and bake a scene first";
 const KEEPS_PARTS: &str = "The glTF file keeps the scene file's material assignments; only its materials are rewritten";
 
 /// The look and scene of an export.
-pub type Exported = (Look, Baked);
+pub struct Exported {
+    /// The look.
+    pub look: Look,
+    /// The scene.
+    pub baked: Baked,
+    /// The selected object, which may turn alone, and its name.
+    pub selected: Option<(String, Spin)>,
+}
 
 impl Exporting {
     /// Performs an action; exports nothing without a picture.
@@ -68,9 +76,9 @@ impl Exporting {
 
     /// Opens the dialog for sequences.
     fn describe_sequence(&mut self, work: &mut Workspace, exported: Option<Exported>) {
-        let Some((look, _)) = exported else { return work.messages.error(NOTHING) };
+        let Some(Exported { look, selected, .. }) = exported else { return work.messages.error(NOTHING) };
         let folder = work.file().map_or_else(|| PathBuf::from("."), folder_of);
-        self.dialog = Some(SequenceDialog::new(&look, &folder));
+        self.dialog = Some(SequenceDialog::new(&look, &folder, selected));
     }
 
     /// Takes the folder chosen for the frames.
@@ -90,11 +98,11 @@ impl Exporting {
         actions: &mut Vec<Action>,
     ) {
         let Some(mut dialog) = self.dialog.take() else { return };
-        let Some((look, baked)) = exported else { return };
+        let Some(Exported { look, baked, .. }) = exported else { return };
         match dialog.show(ctx, &look, pixel_secs) {
             Some(Answer::Cancel) => return,
             Some(Answer::ChooseFolder) => actions.push(Action::Export(ExportAction::SequenceFolder(None))),
-            Some(Answer::Export) => match self.begin_sequence(work, &dialog, &look, baked) {
+            Some(Answer::Export) => match self.begin_sequence(work, &mut dialog, &look, baked) {
                 Ok(()) => return,
                 Err(error) => dialog.problem = Some(error_text(&error)),
             },
@@ -154,7 +162,7 @@ impl Exporting {
     fn begin_sequence(
         &mut self,
         work: &Workspace,
-        dialog: &SequenceDialog,
+        dialog: &mut SequenceDialog,
         look: &Look,
         baked: Baked,
     ) -> anyhow::Result<()> {
@@ -162,6 +170,7 @@ impl Exporting {
             anyhow::bail!(UNDER_WAY);
         }
         let task = dialog.task(look)?;
+        dialog.tell_black_frames(&task, &baked)?;
         task.command_files(CommandFiles::default().reads(work.inputs(Written::Other))).check()?;
         let prepared = task.prepare(&baked.dataset)?;
         self.start(work, ExportTask::Sequence { task, prepared }, baked);
@@ -173,7 +182,7 @@ impl Exporting {
         if self.is_running() {
             return work.messages.note(UNDER_WAY);
         }
-        let Some((look, baked)) = exported else { return work.messages.error(NOTHING) };
+        let Some(Exported { look, baked, .. }) = exported else { return work.messages.error(NOTHING) };
         if !work.may_write(&path, Written::Other) {
             return;
         }

@@ -2,16 +2,16 @@
 
 use super::output::{Answer, Output, dialog, footer, rows};
 use crate::widgets::check_box;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use egui::{ComboBox, Context, DragValue, Ui};
 use glam::Vec3;
 use lapidary_core::brdf::BrdfModel;
-use lapidary_render::Look;
+use lapidary_render::{Baked, Look};
 use lapidary_studies::{
     export::wanted_layers,
     sequence::{
-        Domain, Existing, FrameNames, Parameter, SequenceSettings, SequenceTask, SheetTask, Sweep, Target, Turn, Value,
-        plan,
+        Domain, Existing, FrameNames, Parameter, SequenceSettings, SequenceTask, SheetTask, Spin, Sweep, Target, Turn,
+        Value, blocked_frames, blocked_words, plan,
     },
 };
 use std::path::Path;
@@ -23,6 +23,10 @@ const SHEET: &str = "contact-sheet.png";
 #[derive(Clone, Debug)]
 pub struct SequenceDialog {
     settings: SequenceSettings,
+    /// The selected object, which may turn alone, and its name.
+    selected: Option<(String, Spin)>,
+    /// Black frames that were told; the next answer takes them as they are.
+    told: Vec<u32>,
     /// The frames.
     pub output: Output,
     sheet: bool,
@@ -33,9 +37,11 @@ pub struct SequenceDialog {
 
 impl SequenceDialog {
     /// A turntable of a look, whose camera goes around the scene, in `folder`.
-    pub fn new(look: &Look, folder: &Path) -> Self {
+    pub fn new(look: &Look, folder: &Path, selected: Option<(String, Spin)>) -> Self {
         Self {
             settings: SequenceSettings { turn: Some(Turn::Camera), ..Default::default() },
+            selected,
+            told: Vec::new(),
             output: Output::new(look.view.size, look.view.aa, folder.join("sequence"), "frame.####"),
             sheet: true,
             existing: Existing::Refuse,
@@ -60,6 +66,19 @@ impl SequenceDialog {
         Ok(SequenceTask { frames, outputs, layers, existing: self.existing, sheet })
     }
 
+    /// Says before which frames of a task are black, once.
+    ///
+    /// # Errors
+    /// There are such frames, and they were not told yet.
+    pub fn tell_black_frames(&mut self, task: &SequenceTask, baked: &Baked) -> Result<()> {
+        let black = blocked_frames(&task.frames, baked);
+        let told = std::mem::replace(&mut self.told, black);
+        match blocked_words(&self.told, task.frames.len()).filter(|_| told != self.told) {
+            Some(words) => bail!("{words}. Or export again to have them black"),
+            None => Ok(()),
+        }
+    }
+
     /// Shows the dialog; `pixel_secs` is the time of a sample of a pixel, if known.
     pub fn show(&mut self, ctx: &Context, look: &Look, pixel_secs: Option<f64>) -> Option<Answer> {
         dialog(ctx, "Export a sequence", |ui| {
@@ -78,10 +97,27 @@ impl SequenceDialog {
     fn turn_row(&mut self, ui: &mut Ui) {
         ui.label("Turn");
         ui.horizontal(|ui| {
-            let combo = ComboBox::from_id_salt("turn").selected_text(turn_name(self.settings.turn)).width(150.0);
+            let name = match (&self.selected, self.settings.spin) {
+                (Some((name, _)), Some(_)) => name.as_str(),
+                _ => turn_name(self.settings.turn),
+            };
+            let before = (self.settings.turn, self.settings.spin);
+            let combo = ComboBox::from_id_salt("turn").selected_text(name).width(150.0);
             let combo = combo.show_ui(ui, |ui| {
                 for turn in std::iter::once(None).chain(Turn::ALL.map(Some)) {
-                    ui.selectable_value(&mut self.settings.turn, turn, turn_name(turn)).on_hover_text(turn_help(turn));
+                    let chosen = ui.selectable_label(before == (turn, None), turn_name(turn));
+                    if chosen.on_hover_text(turn_help(turn)).clicked() {
+                        (self.settings.turn, self.settings.spin) = (turn, None);
+                    }
+                }
+                if let Some((name, spin)) = &self.selected {
+                    let chosen = ui.selectable_label(self.settings.spin.is_some(), format!("{name} alone"));
+                    if chosen
+                        .on_hover_text("Turn the selected object about its pivot; its shadows are a preview")
+                        .clicked()
+                    {
+                        (self.settings.turn, self.settings.spin) = (Some(Turn::Object), Some(*spin));
+                    }
                 }
             });
             combo.response.accessible_name("Turntable subject").on_hover_text(turn_help(self.settings.turn));
@@ -159,7 +195,7 @@ impl SequenceDialog {
 fn turn_name(turn: Option<Turn>) -> &'static str {
     match turn {
         None => "Nothing",
-        Some(Turn::Object) => "Object",
+        Some(Turn::Object) => "Whole scene",
         Some(Turn::Camera) => "Camera",
         Some(Turn::Environment) => "Environment",
         Some(Turn::Lights) => "Local lights",
@@ -271,6 +307,8 @@ fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
         Parameter::IllumCut => from_to(1.0, 512.0),
         Parameter::LitCuts => from_to(0.001, 1.0),
         Parameter::Fov => from_to(camera.fov_y.to_degrees(), 0.5 * camera.fov_y.to_degrees()),
+        Parameter::FNumber => from_to(16.0, 1.4),
+        Parameter::Focus => from_to(0.5 * camera.focus_distance(), 2.0 * camera.focus_distance()),
         Parameter::LightPosition => moved(light.map_or(Vec3::Y, |light| light.position)),
         Parameter::LightTarget => moved(light.map_or(Vec3::ZERO, |light| light.target)),
         Parameter::Eye => moved(camera.eye),
@@ -283,7 +321,7 @@ fn new_sweep(parameter: Parameter, look: &Look) -> Sweep {
         of: of.filter(|_| moves_light),
         from,
         to,
-        logarithmic: matches!(parameter, Parameter::IllumCut | Parameter::LitCuts),
+        logarithmic: matches!(parameter, Parameter::IllumCut | Parameter::LitCuts | Parameter::FNumber),
     }
 }
 
@@ -299,7 +337,7 @@ mod tests {
         assert!(!proposed(&lit).contains(&Parameter::IllumCut) && !proposed(&refined).contains(&Parameter::LitCuts));
         let each = |look| proposed(look).into_iter().map(move |parameter| (look, parameter));
         for (look, parameter) in [&lit, &refined].into_iter().flat_map(each) {
-            let mut dialog = SequenceDialog::new(look, Path::new("/scenes"));
+            let mut dialog = SequenceDialog::new(look, Path::new("/scenes"), None);
             dialog.settings.turn = None;
             dialog.settings.sweeps = vec![new_sweep(parameter, look)];
             let task = dialog.task(look).unwrap();
@@ -310,7 +348,7 @@ mod tests {
     #[test]
     fn what_makes_no_sequence_is_told_in_words() {
         let look = test_look();
-        let dialog = SequenceDialog::new(&look, Path::new("/scenes"));
+        let dialog = SequenceDialog::new(&look, Path::new("/scenes"), None);
         assert!(dialog.task(&look).is_ok(), "negative control");
         let problem = |change: &dyn Fn(&mut SequenceDialog)| {
             let mut dialog = dialog.clone();

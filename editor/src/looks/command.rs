@@ -82,9 +82,9 @@ pub struct RenderSessionArgs {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
     size: [u32; 2],
-    /// Samples per pixel, 1 to 256, whatever the session says
-    #[arg(long, value_name = "N", default_value_t = SMOOTH, value_parser = clap::value_parser!(u32).range(1..=256))]
-    aa: u32,
+    /// Samples per pixel, 1 to 256, whatever the session says [default: 16, 64 through an open lens]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    aa: Option<u32>,
     #[command(flatten)]
     device: DeviceArgs,
 }
@@ -189,7 +189,8 @@ impl RenderSessionArgs {
         };
         let animation = ready.source.as_ref().and_then(|source| source.animation.as_ref()).or(ready.animation.as_ref());
         let poses = pose::poses_since(&ready.document, animation, &baked);
-        Ok(PictureOfDocument { document: ready.document, baked, poses, size: self.size, aa: Some(self.aa) })
+        let aa = self.aa.unwrap_or(SMOOTH.max(ready.document.camera.lens.least_samples()));
+        Ok(PictureOfDocument { document: ready.document, baked, poses, size: self.size, aa: Some(aa) })
     }
 }
 

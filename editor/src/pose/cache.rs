@@ -23,7 +23,7 @@ pub struct PoseCache {
     /// Poses at the time requested last.
     in_time: RefCell<Option<InTime>>,
     /// The objects of the scene as it was baked.
-    objects: RefCell<Option<(Baked, Objects)>>,
+    objects: RefCell<Option<(Baked, Arc<Objects>)>>,
 }
 
 /// An animation bound to a bake, or why it cannot be.
@@ -139,13 +139,18 @@ impl PoseCache {
         posed
     }
 
+    /// The objects of a bake.
+    pub fn objects(&self, baked: &Baked) -> Arc<Objects> {
+        let mut known = self.objects.borrow_mut();
+        match &*known {
+            Some((of, objects)) if of.is_same(baked) => objects.clone(),
+            _ => known.insert((baked.clone(), Arc::new(Objects::of(&baked.dataset.scene)))).1.clone(),
+        }
+    }
+
     /// An object for handles, under poses relative to a bake; `None` if it has no vertices.
     pub fn subject(&self, baked: &Baked, poses: &Poses, object: u32) -> Option<Subject> {
-        let mut known = self.objects.borrow_mut();
-        if !known.as_ref().is_some_and(|(of, _)| of.is_same(baked)) {
-            *known = Some((baked.clone(), Objects::of(&baked.dataset.scene)));
-        }
-        let objects = &known.as_ref()?.1;
+        let objects = self.objects(baked);
         if (object as usize) >= objects.len() || objects.vertices(object).is_empty() {
             return None;
         }

@@ -6,6 +6,7 @@ use crate::{
     viewport::gizmo::{Movable, Subject, Tool},
     workspace::Workspace,
 };
+use lapidary_studies::sequence::Spin;
 use std::mem::take;
 
 impl Posing {
@@ -52,6 +53,14 @@ impl Posing {
             let edit = document.hiding(objects, hides);
             work.do_step(edit, if hides { "Hide" } else { "Show" });
         }
+    }
+
+    /// The active object, which may turn alone about its pivot, and its name.
+    pub fn spin(&self, work: &Workspace) -> Option<(String, Spin)> {
+        let (document, active) = (&work.document, *self.posable(work).first()?);
+        let center = self.cache.objects(work.scene.rendered()?).center(active.object);
+        let spin = Spin { object: active.object, center, pivot: active.place(&document.poses) };
+        Some((document.object_name(active.object).to_owned(), spin))
     }
 
     /// The selected objects that can be posed, the active one first; none if the active one cannot be, as a ground or a locked one.

@@ -1,16 +1,20 @@
-use super::*;
+use super::{
+    lens::{focal_from_fov, fov_from_focal},
+    *,
+};
 use crate::{
     actions::CameraAction,
     test_support::{WIDTH, assert_fits},
 };
 use egui::{Key, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
+use lapidary_core::camera::{Camera, Lens};
 
 type Panel = Harness<'static, (Document, Vec<Action>)>;
 
 fn panel(document: Document) -> Panel {
     let show = |ui: &mut Ui, (document, actions): &mut (Document, Vec<Action>)| {
-        show(ui, &ViewContext { document }, actions);
+        show(ui, &ViewContext { document, focusing: false }, actions);
     };
     let mut panel = Harness::builder().with_size(vec2(WIDTH, 800.0)).build_ui_state(show, (document, Vec::new()));
     panel.run();
@@ -112,8 +116,8 @@ fn blur_and_color_show_only_where_they_act() {
 
 #[test]
 fn focal_length_and_field_of_view_are_one() {
-    assert!((fov_from_focal(50.0).to_degrees() - 26.991).abs() < 1e-2);
-    assert!((focal_from_fov(fov_from_focal(35.0)) - 35.0).abs() < 1e-4);
+    assert!((fov_from_focal(50.0, 24.0).to_degrees() - 26.991).abs() < 1e-2);
+    assert!((focal_from_fov(fov_from_focal(35.0, 18.0), 18.0) - 35.0).abs() < 1e-4);
     let mut panel = panel(Document::empty());
     typed(&mut panel, "Focal length value", "50");
     let camera = camera_asked(&panel).expect("a camera");
@@ -130,4 +134,40 @@ fn a_camera_in_its_own_target_is_not_asked_for() {
     assert_eq!(camera_asked(&panel), None);
     typed(&mut panel, "Position Z", "3");
     assert_eq!(camera_asked(&panel).expect("a camera").eye.z, 3.0);
+}
+
+#[test]
+fn the_lens_is_opened_focused_and_shifted_and_a_sensor_keeps_the_field_of_view() {
+    let mut panel = panel(Document::empty());
+    assert!(panel.query_by_label("Focus by click").is_none(), "negative control: a pinhole has no focus");
+    panel.get_by_label("F-number").click();
+    panel.run();
+    let opened = camera_asked(&panel).expect("a camera");
+    assert_eq!(opened.lens.f_number, Some(lens::OPENED));
+    panel.state_mut().0.camera = opened.clone();
+    panel.run();
+    panel.get_by_label("Focus by click").click();
+    panel.run();
+    assert!(matches!(panel.state().1.last(), Some(Action::Camera(CameraAction::AskForFocus))));
+    panel.get_by_label("Focus").click();
+    panel.run();
+    assert_eq!(camera_asked(&panel).unwrap().lens.focus, Some(2.0), "the distance of the target");
+    typed(&mut panel, "Shift up value", "0.25");
+    assert_eq!(camera_asked(&panel).unwrap().lens.shift.y, 0.25);
+    panel.get_by_role_and_label(egui::Role::ComboBox, "Sensor").click();
+    panel.run();
+    panel.get_by_label("Super 35").click();
+    panel.run();
+    let smaller = camera_asked(&panel).unwrap();
+    assert_eq!((smaller.lens.sensor_mm, smaller.fov_y), (18.66, opened.fov_y));
+    assert!(smaller.focal_length() < opened.focal_length());
+}
+
+#[test]
+fn a_click_focuses_at_its_depth_and_opens_a_pinhole() {
+    let camera = Document::empty().camera;
+    let focused = lens::focused(&camera, 1.5);
+    assert_eq!(focused.lens, Lens { f_number: Some(lens::OPENED), focus: Some(1.5), ..camera.lens });
+    let open = Camera { lens: Lens { f_number: Some(8.0), ..camera.lens }, ..camera };
+    assert_eq!(lens::focused(&open, 3.0).lens.f_number, Some(8.0), "an open lens keeps its aperture");
 }

@@ -9,7 +9,7 @@ use lapidary_core::{
     bounds::{MOST_COORDINATE, is_within_reach},
     camera::Camera,
 };
-use lapidary_studies::values;
+use lapidary_studies::{args::LensArgs, values};
 
 /// Default vertical field of view in degrees, as on the command line.
 const DEFAULT_FOV: f32 = 40.0;
@@ -19,7 +19,8 @@ pub fn text(camera: &Camera) -> String {
     let vector = |v: Vec3| format!("{},{},{}", v.x, v.y, v.z);
     // Four decimals hide the rounding between radians and degrees.
     let fov = (f64::from(camera.fov_y).to_degrees() * 1e4).round() / 1e4;
-    format!("--eye {} --target {} --fov {fov}", vector(camera.eye), vector(camera.target))
+    let lens = LensArgs::text_of(&camera.lens);
+    format!("--eye {} --target {} --fov {fov}{lens}", vector(camera.eye), vector(camera.target))
 }
 
 /// Parses such a text, a whole command line with these options, or JSON.
@@ -39,7 +40,13 @@ fn from_options(text: &str) -> Result<Camera> {
         bail!("this text holds no camera; copy one, or write it as --eye 0,1,3 --target 0,0,0 --fov 40");
     };
     let fov = read(text, "--fov", values::field_of_view)?.unwrap_or(DEFAULT_FOV);
-    Ok(Camera::look_at(eye, target, fov))
+    let lens = LensArgs {
+        f_number: read(text, "--f-number", values::f_number)?,
+        focus: read(text, "--focus", values::focus)?,
+        sensor: read(text, "--sensor", values::sensor)?,
+        shift: read(text, "--shift", values::shift)?,
+    };
+    Ok(lens.applied(Camera::look_at(eye, target, fov)))
 }
 
 /// The value of an option, if the text has it.
@@ -65,12 +72,15 @@ fn from_json(text: &str) -> Result<Camera> {
     ensure!(camera.up != Vec3::ZERO, "the camera's up must point somewhere, as 0,1,0 does");
     let degrees = camera.fov_y.to_degrees();
     ensure!((1.0..=170.0).contains(&degrees), "the camera's fov_y is {degrees} degrees and not between 1 and 170");
+    ensure!(camera.lens.is_valid(), "the camera's lens has an f_number, a focus, a sensor_mm or a shift out of range");
     Ok(camera)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec2;
+    use lapidary_core::camera::Lens;
 
     #[test]
     fn text_round_trips() {
@@ -83,6 +93,9 @@ mod tests {
             let read = parse(&text(&camera)).unwrap();
             assert_eq!((read.eye, read.target, read.up), (eye, target, Vec3::Y));
             assert!((read.fov_y - camera.fov_y).abs() < 1e-6, "{}", text(&camera));
+            let lens = Lens { f_number: Some(1.8), focus: Some(0.25), sensor_mm: 13.0, shift: Vec2::new(-0.5, 0.1) };
+            let opened = Camera { lens, ..camera.clone() };
+            assert_eq!(parse(&text(&opened)).unwrap().lens, lens, "{}", text(&opened));
             let json = serde_json::to_string(&camera).unwrap();
             assert_eq!(parse(&json).unwrap(), camera);
         }
@@ -110,6 +123,9 @@ mod tests {
             ("--eye 0,0,nan --target 1,1,1", "--eye: \"nan\" is not a number"),
             ("--eye 1,1,1 --target 1,1,1", "same point"),
             ("--eye 1,1,1 --target 0,0,0 --fov 180", "--fov: 180 is not between"),
+            ("--eye 1,1,1 --target 0,0,0 --f-number 0", "--f-number: 0 is not between"),
+            ("--eye 1,1,1 --target 0,0,0 --shift 1", "--shift: two numbers"),
+            ("{\"eye\":[0,0,1],\"target\":[0,0,0],\"up\":[0,1,0],\"fov_y\":1,\"lens\":{\"focus\":-1}}", "lens"),
             ("{}", "JSON is no camera"),
             ("{\"eye\":[0,0,1],\"target\":[0,0,0],\"up\":[0,1,0],\"fov_y\":0}", "fov_y is 0"),
             ("{\"eye\":[0,0,1],\"target\":[0,0,0],\"up\":[0,0,0],\"fov_y\":1}", "up must point"),

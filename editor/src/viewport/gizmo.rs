@@ -25,7 +25,7 @@ use super::{
     pick::{self, Picked},
 };
 use crate::{
-    actions::{Action, LightAction, PoseAction},
+    actions::{Action, CameraAction, LightAction, PoseAction},
     typing::take_escape,
 };
 use drag::Drag;
@@ -115,6 +115,7 @@ impl<'a> View<'a> {
     fn asked_by(&self, click: ClickFor, pointer: Pos2) -> Option<Action> {
         Some(match click {
             ClickFor::Aim => Action::Light(LightAction::Aim(Some(self.surface(pointer)?))),
+            ClickFor::Focus => Action::Camera(CameraAction::Focus(Some(self.surface(pointer)?))),
             ClickFor::Pivot => Action::Pose(PoseAction::PlacePivot(Some(PivotPlace::at(self, pointer)?.pivot))),
         })
     }

@@ -1,13 +1,7 @@
 //! Picks the surface under a pixel, by one ray.
 
 use glam::{Vec2, Vec3};
-use lapidary_core::{
-    camera::{Camera, PINHOLE},
-    ground::Ground,
-    parts::Part,
-    ray::Intersector,
-    scene::Mesh,
-};
+use lapidary_core::{camera::Camera, ground::Ground, parts::Part, ray::Intersector, scene::Mesh};
 
 /// Most surfaces of passed objects before one is picked.
 const MOST_PASSED: usize = 256;
@@ -55,7 +49,7 @@ pub fn pick_past(
     size: [u32; 2],
     passed: impl Fn(u32) -> bool,
 ) -> Option<Picked> {
-    let (origin, direction) = camera.projection(size).ray(pixel, PINHOLE);
+    let (origin, direction) = camera.projection(size).ray(pixel);
     // Every surface that stops some light can be picked.
     let mut way = 0.0;
     for _ in 0..MOST_PASSED {

@@ -158,5 +158,5 @@ fn add_camera(source: &mut Source, node: &gltf::Node, camera: &gltf::Camera, wor
     let eye = world_from_node.w_axis.truncate();
     let forward = -world_from_node.z_axis.truncate().normalize_or(Vec3::Z);
     let up = world_from_node.y_axis.truncate().normalize_or(Vec3::Y);
-    source.cameras.push(Camera { name, eye, target: eye + forward, up, fov_y: lens.yfov() });
+    source.cameras.push(Camera { name, eye, target: eye + forward, up, fov_y: lens.yfov(), lens: Default::default() });
 }

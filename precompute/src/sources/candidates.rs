@@ -10,7 +10,6 @@
 use crate::{errors::PointsError, observer::Observer};
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    camera::PINHOLE,
     shot::Shot,
     sphere::{cosine_direction, fibonacci_directions, frame_around, uniform_direction},
     surfel::{Surface, Surfel},
@@ -144,7 +143,7 @@ impl<'a> Candidates<'a> {
         let Shot { camera, aspect } = &self.shots[rng.usize(0..self.shots.len())];
         let size = [(ROWS * aspect).ceil().max(1.0) as u32, ROWS as u32];
         let pixel = Vec2::new(rng.f32() * size[0] as f32, rng.f32() * size[1] as f32);
-        let (origin, direction) = camera.projection(size).ray(pixel, PINHOLE);
+        let (origin, direction) = camera.projection(size).ray(pixel);
         segments(self.surface, origin, direction, 2, rng).nth(1)
     }
 }

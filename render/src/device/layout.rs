@@ -51,6 +51,8 @@ pub struct FrameUniforms {
     pub picture_sample: u32,
     pub of_lobe: f32,
     pub picture_stride: [u32; 2],
+    pub center: [f32; 2],
+    pub padding: [u32; 2],
 }
 
 /// `Sun` of `sun_rays.wgsl`.

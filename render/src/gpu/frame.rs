@@ -40,7 +40,7 @@ pub fn frame(
     lit: ShownLight,
     stride: u32,
 ) -> layout::FrameUniforms {
-    let projection = view.projection();
+    let projection = view.projection_of(sample);
     let (sin, cos) = lit.behind.map_or(0.0, |l| l.rotation).sin_cos();
     let [background, caught] = [behind(view, lit.shown.is_some()), caught(view)];
     let background = if view.hides_background { BLACK } else { background };
@@ -78,6 +78,8 @@ pub fn frame(
         picture_sample: sample,
         of_lobe: (view.aa.max(1) as f32).recip(),
         picture_stride: [stride; 2],
+        center: projection.center.to_array(),
+        padding: [0; 2],
     }
 }
 

@@ -13,7 +13,7 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    camera::{PINHOLE, Projection},
+    camera::{Projection, disc},
     opacity::chance,
     ray::{Hit, in_eights},
 };
@@ -22,9 +22,11 @@ use std::ops::Range;
 /// Casts camera rays through the samples of a view's pixels and shades their hits.
 pub(crate) struct PixelSampler<'a> {
     pub view: &'a View,
+    /// From the center of the lens.
     pub projection: Projection,
     scene: SeenScene<'a>,
-    offsets: Vec<Vec2>,
+    /// For each sample of a pixel its position there, and the projection through its point of the lens.
+    samples: Vec<(Vec2, Projection)>,
 }
 
 /// The view along one sample of a pixel.
@@ -47,6 +49,19 @@ impl Sight {
     }
 }
 
+/// A position in the picture, and its ray's origin and direction.
+struct Toward {
+    position: Vec2,
+    ray: (Vec3, Vec3),
+}
+
+fn toward(projection: &Projection, [x, y]: [u32; 2], in_pixel: Vec2) -> Toward {
+    let position = Vec2::new(x as f32, y as f32) + in_pixel;
+    Toward { position, ray: projection.ray(position) }
+}
+
+/// Tells points of the lens from other chances of a sample.
+const APERTURE: u32 = 0x1e45;
 /// Samples of a pixel with evenly spread thresholds.
 const STRATA: u32 = 16;
 
@@ -65,7 +80,8 @@ impl<'a> PixelSampler<'a> {
     pub fn new(renderer: &'a Renderer, view: &'a View, backdrop: &'a Backdrop) -> Self {
         let scene = SeenScene::new(renderer, view, backdrop);
         let scene = SeenScene { surfaces: scene.surfaces.filtered(Differentials::of(view)), ..scene };
-        Self { view, projection: view.projection(), scene, offsets: view.pixel_offsets() }
+        let samples = (0..).zip(view.pixel_offsets()).map(|(i, offset)| (offset, view.projection_of(i))).collect();
+        Self { view, projection: view.projection(), scene, samples }
     }
 
     /// Uses point lookups in maps, for enough positions per pixel to filter them.
@@ -82,38 +98,36 @@ impl<'a> PixelSampler<'a> {
         }
     }
 
-    /// Position of a sample in its pixel.
-    fn offset(&self, sample: usize) -> Vec2 {
-        self.offsets[sample % self.offsets.len()]
+    /// Position of a sample in its pixel, and its projection.
+    fn of_sample(&self, sample: usize) -> (Vec2, &Projection) {
+        let (offset, projection) = &self.samples[sample % self.samples.len()];
+        (*offset, projection)
     }
 
     /// The view along one sample of a pixel.
     pub fn sight(&self, x: u32, y: u32, sample: usize) -> Sight {
-        self.sight_at([x, y], self.offset(sample), threshold([x, y], sample as u32))
+        let (offset, projection) = self.of_sample(sample);
+        let toward = toward(projection, [x, y], offset);
+        self.sight_at(toward, threshold([x, y], sample as u32))
     }
 
-    /// The view from a position in the pixel's unit square; only surfaces above the opacity thresholds are visible.
-    fn sight_at(&self, [x, y]: [u32; 2], in_pixel: Vec2, threshold: impl Fn(u32) -> f32) -> Sight {
-        let (position, ray @ (origin, direction)) = self.toward(x, y, in_pixel);
+    /// The view along a ray; only surfaces above the opacity thresholds are visible.
+    fn sight_at(&self, Toward { position, ray }: Toward, threshold: impl Fn(u32) -> f32) -> Sight {
+        let (origin, direction) = ray;
         let first = self.scene.surfaces.hit_above(origin, direction, &threshold);
         let hit = self.scene.past_hidden_ground(first, ray, threshold);
         Sight { position, direction, seen: self.scene.seen(hit, direction) }
     }
 
-    /// A position in the picture, and its ray's origin and direction.
-    fn toward(&self, x: u32, y: u32, in_pixel: Vec2) -> (Vec2, (Vec3, Vec3)) {
-        let position = Vec2::new(x as f32, y as f32) + in_pixel;
-        (position, self.projection.ray(position, PINHOLE))
-    }
-
     /// Hits of the camera rays through one sample of each pixel. Rays are traced eight at a time, faster the closer they are.
     pub fn hits(&self, pixels: &[[u32; 2]], sample: usize) -> Vec<Option<Hit>> {
-        let direction = |&[x, y]: &[u32; 2]| self.toward(x, y, self.offset(sample)).1.1;
+        let (offset, projection) = self.of_sample(sample);
+        let direction = |&pixel: &[u32; 2]| toward(projection, pixel, offset).ray.1;
         let eights = in_eights(pixels.iter().map(direction));
         // Padding rays of the last eight belong to no pixel.
         let of_ray = |ray: usize| threshold(pixels[ray.min(pixels.len() - 1)], sample as u32);
-        // Eight rays traced together share an origin; this holds for a pinhole camera.
-        let eye = self.projection.eye;
+        // Eight rays traced together share an origin: a sample of all pixels sees through one point of the lens.
+        let eye = projection.eye;
         let hits = self.scene.surfaces.hits_from(eye, &eights, |ray, triangle| of_ray(ray)(triangle)).into_flattened();
         let first = hits.into_iter().zip(eights.as_flattened()).take(pixels.len()).enumerate();
         first
@@ -123,7 +137,8 @@ impl<'a> PixelSampler<'a> {
 
     /// The view along one sample of a pixel, from its known hit.
     pub fn sight_of(&self, [x, y]: [u32; 2], sample: usize, hit: Option<Hit>) -> Sight {
-        let (position, (_, direction)) = self.toward(x, y, self.offset(sample));
+        let (offset, projection) = self.of_sample(sample);
+        let Toward { position, ray: (_, direction) } = toward(projection, [x, y], offset);
         Sight { position, direction, seen: self.scene.seen(hit, direction) }
     }
 
@@ -146,7 +161,8 @@ impl<'a> PixelSampler<'a> {
 
     /// The surface at `hit` for a pixel's first sample; `None` for the back of a one-sided surface.
     pub fn first_point(&self, x: u32, y: u32, hit: &Hit) -> Option<SurfacePoint> {
-        let (_, (_, direction)) = self.toward(x, y, self.offset(0));
+        let (offset, projection) = self.of_sample(0);
+        let (_, direction) = toward(projection, [x, y], offset).ray;
         match self.scene.seen(Some(*hit), direction) {
             FirstHit::Surface(point) => Some(*point),
             FirstHit::Back | FirstHit::Background => None,
@@ -166,7 +182,7 @@ impl<'a> PixelSampler<'a> {
 
     /// [`Self::wire`] for a pixel's first sample.
     pub fn first_wire(&self, x: u32, y: u32, triangle: u32) -> f32 {
-        self.wire(Vec2::new(x as f32, y as f32) + self.offset(0), self.scene.surfaces.corners(triangle))
+        self.wire(Vec2::new(x as f32, y as f32) + self.of_sample(0).0, self.scene.surfaces.corners(triangle))
     }
 
     /// Share of the light that a ground transmits, from its shown light over a white background.
@@ -184,11 +200,21 @@ impl<'a> PixelSampler<'a> {
         self.radiance(self.sight(x, y, sample), shade)
     }
 
-    /// [`Self::sample`] at any position in the pixel's unit square; thin surfaces are visible by chance.
+    /// [`Self::sample`] at any position in the pixel's unit square, through a random point of the lens; thin surfaces are visible by
+    /// chance.
     pub fn sample_at(&self, x: u32, y: u32, in_pixel: Vec2, shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
         let position = [in_pixel.x.to_bits(), in_pixel.y.to_bits()];
         let by_chance = |triangle| chance(&[x, y, position[0], position[1], triangle]);
-        self.radiance(self.sight_at([x, y], in_pixel, by_chance), shade)
+        let through_lens;
+        let projection = match self.view.camera.lens.f_number {
+            None => &self.projection,
+            Some(_) => {
+                let point = [0, 1].map(|axis| chance(&[x, y, position[0], position[1], APERTURE, axis]));
+                through_lens = self.view.projection_through(disc(point.into()));
+                &through_lens
+            }
+        };
+        self.radiance(self.sight_at(toward(projection, [x, y], in_pixel), by_chance), shade)
     }
 
     fn radiance(&self, sight: Sight, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
@@ -203,8 +229,8 @@ impl<'a> PixelSampler<'a> {
 
     /// The mean over the pixel's samples.
     pub fn pixel(&self, x: u32, y: u32, mut shade: impl FnMut(&SurfacePoint) -> Vec3) -> Vec3 {
-        let sum: Vec3 = (0..self.offsets.len()).map(|i| self.sample(x, y, i, &mut shade)).sum();
-        sum / self.offsets.len() as f32
+        let sum: Vec3 = (0..self.samples.len()).map(|i| self.sample(x, y, i, &mut shade)).sum();
+        sum / self.samples.len() as f32
     }
 }
 

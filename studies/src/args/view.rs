@@ -1,7 +1,7 @@
 //! View options shared by all commands that make pictures, and their resolved form.
 
 use super::{
-    OutsideArgs, choices,
+    LensArgs, OutsideArgs, choices,
     light::{EnvironmentArgs, LocalLightArgs, LocalLights},
 };
 use crate::{outputs::CommandFiles, terminal::Console, values};
@@ -101,11 +101,13 @@ struct CameraArgs {
     /// Vertical field of view in degrees, 1 to 170 [default: the camera's; 40 with --eye and --target]
     #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
     fov: Option<f32>,
+    #[command(flatten)]
+    lens: LensArgs,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = values::size)]
     size: [u32; 2],
     /// Samples per pixel, 1 to 256; 1 is the pixel's center [default: 16 for pictures of `render`, `sequence` and `reference --kind
-    /// path`, else 1]
+    /// path`, 64 with --f-number, else 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     aa: Option<u32>,
     /// What pixels without a surface show; black leaves the environment out of measured errors
@@ -215,8 +217,8 @@ impl ViewArgs {
     }
 
     /// Samples per pixel of a picture for people.
-    pub fn smooth_samples(&self) -> u32 {
-        self.camera.aa.unwrap_or(SMOOTH)
+    pub fn smooth_samples(&self, camera: &Camera) -> u32 {
+        self.camera.aa.unwrap_or(SMOOTH.max(camera.lens.least_samples()))
     }
 
     /// Checks that this many pictures of the requested size fit in memory at once. Layers of a file count as pictures.
@@ -366,7 +368,7 @@ impl CameraArgs {
         if camera.eye == camera.target {
             bail!("--eye and --target are the same point; move one of them");
         }
-        Ok(camera)
+        Ok(self.lens.applied(camera))
     }
 
     fn named_camera<'a>(&self, scene: &'a Scene, shots: &'a [Camera]) -> Result<Option<&'a Camera>> {
@@ -389,6 +391,7 @@ mod tests {
         eye: None,
         target: None,
         fov: None,
+        lens: LensArgs { f_number: None, focus: None, sensor: None, shift: None },
         size: [4, 4],
         aa: None,
         background: BackgroundOption::Environment,

@@ -88,7 +88,7 @@ pub fn run(args: &ReferenceArgs, console: Console) -> Result<Outcome> {
     let interrupt = ProgressReporter::interruptible(console);
     let mut viewed = args.view.resolve(&args.local, console)?;
     if args.kind == Kind::Path {
-        viewed.view.aa = args.view.smooth_samples();
+        viewed.view.aa = args.view.smooth_samples(&viewed.view.camera);
     }
     viewed.poses = args.pose.read(&viewed.baked.dataset.scene, &args.view.import_options(), console)?;
     let posed = viewed.baked.posed(&viewed.poses).context("the objects cannot be posed this way")?;

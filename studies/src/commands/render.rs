@@ -80,7 +80,7 @@ pub fn run(args: &RenderArgs, console: Console) -> Result<Outcome> {
     }
     args.view.check_memory(1 + args.layers.as_ref().map_or(0, LayerList::most))?;
     let mut viewed = args.view.resolve(&args.local, console)?;
-    viewed.view.aa = args.view.smooth_samples();
+    viewed.view.aa = args.view.smooth_samples(&viewed.view.camera);
     viewed.poses = args.pose.read(&viewed.baked.dataset.scene, &args.view.import_options(), console)?;
     let look = args.shown(args.picture.look(&viewed)?, &viewed.baked.dataset)?;
     let layers = wanted_layers(args.layers.as_ref(), &look)?;

@@ -5,14 +5,15 @@ use crate::{
     export::{LayerList, Studio, has_extension, is_exr, wanted_layers},
     outputs::CommandFiles,
     sequence::{
-        Existing, FrameNames, Motion, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Sweep, Turn, plan,
-        sequence_files,
+        Existing, FrameNames, Motion, SequenceEnd, SequenceSettings, SequenceTask, SheetTask, Spin, Sweep, Turn,
+        blocked_frames, blocked_words, plan, sequence_files,
     },
     terminal::{Console, Outcome, ProgressReporter, StepProgress},
 };
 use anyhow::{Result, bail};
 use clap::Args;
-use lapidary_render::Renderer;
+use lapidary_core::scene::Scene;
+use lapidary_render::{Look, Renderer};
 use std::{path::PathBuf, time::Instant};
 
 /// Options of `sequence`.
@@ -21,6 +22,9 @@ pub struct SequenceArgs {
     /// Turn this about the vertical through the camera's target
     #[arg(long, value_enum)]
     turn: Option<Turn>,
+    /// Object that turns alone about its own center, with --turn object
+    #[arg(long, value_name = "NAME", requires = "turn")]
+    turn_only: Option<String>,
     /// Angle of the turn in degrees, counter-clockwise seen from above. For whole turns the last frame is one step before the
     /// first, so the sequence loops
     #[arg(long, value_name = "DEG", default_value = "360", value_parser = crate::values::finite, allow_hyphen_values = true, requires = "turn")]
@@ -29,7 +33,7 @@ pub struct SequenceArgs {
     /// be given several times. NAME is a parameter of a BRDF model, as roughness, base-color or coat-weight (`lapidary models`
     /// lists them, with _ for -), bump or normal (of all materials, or of one with @MATERIAL), rotation, intensity, exposure,
     /// illum-cut (with --brdf refine or once), lit-cuts, light-intensity (a factor; of all lights, or of one with @LIGHT),
-    /// light-position, light-target (X,Y,Z..X,Y,Z), eye, target or fov
+    /// light-position, light-target (X,Y,Z..X,Y,Z), eye, target, fov, f-number or focus
     #[arg(long, value_name = "SWEEP", allow_hyphen_values = true)]
     sweep: Vec<Sweep>,
     /// Number of frames
@@ -76,17 +80,20 @@ pub fn run(args: &SequenceArgs, console: Console) -> Result<Outcome> {
     let interrupt = ProgressReporter::interruptible(console);
     args.view.check_memory(1 + args.layers.as_ref().map_or(0, LayerList::most))?;
     let mut viewed = args.view.resolve(&args.local, console)?;
-    viewed.view.aa = args.view.smooth_samples();
+    viewed.view.aa = args.view.smooth_samples(&viewed.view.camera);
     let (poses, motion) = args.motion.read(&viewed.baked.dataset.scene, &args.view.import_options(), console)?;
     viewed.poses = poses;
     let look = args.picture.look(&viewed)?;
+    let settings = SequenceSettings { spin: args.spin(&viewed.baked.dataset.scene, &look)?, ..args.settings(motion) };
     let task = SequenceTask {
-        frames: plan(&look, &args.settings(motion))?,
+        frames: plan(&look, &settings)?,
         outputs,
         layers: wanted_layers(args.layers.as_ref(), &look)?,
         existing: args.existing(),
         sheet: args.sheet(),
     };
+    let blocked = blocked_words(&blocked_frames(&task.frames, &viewed.baked), task.frames.len());
+    blocked.into_iter().for_each(|words| console.warning(words));
     let prepared = task.prepare(&viewed.baked.dataset)?;
     let start = Instant::now();
     let baked = viewed.baked.clone();
@@ -143,9 +150,23 @@ impl SequenceArgs {
             frames: *frames,
             first: *first,
             turn: *turn,
+            spin: None,
             degrees: *degrees,
             sweeps: sweep.clone(),
             motion,
+        }
+    }
+
+    /// The object that turns alone.
+    fn spin(&self, scene: &Scene, look: &Look) -> Result<Option<Spin>> {
+        let Some(wanted) = &self.turn_only else { return Ok(None) };
+        if self.turn != Some(Turn::Object) {
+            bail!("--turn-only names an object; add --turn object");
+        }
+        let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).collect();
+        match names.iter().position(|name| name == wanted) {
+            Some(object) => Ok(Some(Spin::about_center(scene, object as u32, look))),
+            None => bail!("the scene has no object \"{wanted}\"; it has {}", names.join(", ")),
         }
     }
 

@@ -20,8 +20,7 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::{
-    camera::PINHOLE, cut::CutCriterion, dataset::Dataset, image::Image, light_tree::TreeKind, ray::Intersector,
-    scene::Scene,
+    cut::CutCriterion, dataset::Dataset, image::Image, light_tree::TreeKind, ray::Intersector, scene::Scene,
 };
 use lapidary_precompute::Geometry;
 use lapidary_render::{LitScene, PathSettings, Quiet, Renderer, View};
@@ -216,7 +215,7 @@ fn shown_vertices(scene: &Scene, intersector: &Intersector, view: &View) -> Vec<
     let projection = view.projection();
     let hit = |[x, y]: [u32; 2]| {
         let center = glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-        let (origin, direction) = projection.ray(center, PINHOLE);
+        let (origin, direction) = projection.ray(center);
         intersector.closest_hit(origin, direction)
     };
     let mut vertices: Vec<u32> =

@@ -26,6 +26,7 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
         "camera.target": camera.target.to_array().map(number),
         "camera.up": camera.up.to_array().map(number),
         "camera.fov_degrees": number(camera.fov_y.to_degrees()),
+        "camera.lens": camera.lens,
         "environment": environment.name,
         "environment.rotation_degrees": number(look.illumination.rotation.to_degrees()),
         "environment.intensity": number(look.illumination.intensity),

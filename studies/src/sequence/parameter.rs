@@ -4,6 +4,7 @@ use super::{Value, error::SweepError};
 use glam::Vec3;
 use lapidary_core::{
     brdf::{self, BrdfModel},
+    camera::LEAST_F_NUMBER,
     lights::Light,
     material::Material,
 };
@@ -41,6 +42,10 @@ pub enum Parameter {
     Target,
     /// Vertical field of view in degrees.
     Fov,
+    /// Focal length over diameter of the aperture.
+    FNumber,
+    /// Distance in focus in meters.
+    Focus,
 }
 
 /// Owner of a parameter.
@@ -73,7 +78,7 @@ impl Parameter {
         declared.filter(move |name| known.insert(*name)).map(Self::Brdf).chain(Self::OTHERS)
     }
 
-    const OTHERS: [Self; 13] = [
+    const OTHERS: [Self; 15] = [
         Self::Bump,
         Self::Normal,
         Self::Rotation,
@@ -87,6 +92,8 @@ impl Parameter {
         Self::Eye,
         Self::Target,
         Self::Fov,
+        Self::FNumber,
+        Self::Focus,
     ];
 
     /// Name in options and files.
@@ -106,6 +113,8 @@ impl Parameter {
             Self::Eye => "eye",
             Self::Target => "target",
             Self::Fov => "fov",
+            Self::FNumber => "f-number",
+            Self::Focus => "focus",
         };
         name.into()
     }
@@ -133,6 +142,8 @@ impl Parameter {
             Self::Exposure => Domain::Number(-30.0, 30.0),
             Self::IllumCut => Domain::Number(1.0, 32_768.0),
             Self::Fov => Domain::Number(1.0, 170.0),
+            Self::FNumber => Domain::Number(LEAST_F_NUMBER, 1000.0),
+            Self::Focus => Domain::Number(1e-6, 1e9),
             Self::LightPosition | Self::LightTarget | Self::Eye | Self::Target => Domain::Place,
         }
     }
@@ -187,6 +198,8 @@ impl Parameter {
             Self::Eye => look.view.camera.eye = vector,
             Self::Target => look.view.camera.target = vector,
             Self::Fov => look.view.camera.fov_y = number.to_radians(),
+            Self::FNumber => look.view.camera.lens.f_number = Some(number),
+            Self::Focus => look.view.camera.lens.focus = Some(number),
             _ => {}
         }
     }

@@ -1,6 +1,6 @@
 //! Contents of each frame of a sequence, decided before any is rendered.
 
-use super::{Moment, Motion, Sweep, Turn, Value, error::SweepError};
+use super::{Moment, Motion, Spin, Sweep, Turn, Value, error::SweepError};
 use lapidary_core::{animation::AnimationError, lights::LightProblem};
 use lapidary_render::Look;
 use thiserror::Error;
@@ -58,6 +58,8 @@ pub struct SequenceSettings {
     pub first: u32,
     /// What turns, if anything.
     pub turn: Option<Turn>,
+    /// An object that turns alone, in place of all, if the object turns.
+    pub spin: Option<Spin>,
     /// Angle in degrees, counter-clockwise seen from above. After whole turns the last frame is one step before the first.
     pub degrees: f32,
     /// Parameters that change from the first frame to the last.
@@ -68,7 +70,15 @@ pub struct SequenceSettings {
 
 impl Default for SequenceSettings {
     fn default() -> Self {
-        Self { frames: 48, first: 1, turn: Some(Turn::Object), degrees: 360.0, sweeps: Vec::new(), motion: None }
+        Self {
+            frames: 48,
+            first: 1,
+            turn: Some(Turn::Object),
+            spin: None,
+            degrees: 360.0,
+            sweeps: Vec::new(),
+            motion: None,
+        }
     }
 }
 
@@ -128,7 +138,10 @@ fn frame(base: &Look, settings: &SequenceSettings, index: u32) -> Result<Sequenc
     }
     if let Some(turn) = settings.turn {
         let degrees = settings.turned(index);
-        turn.apply(&mut look, degrees);
+        match settings.spin.filter(|_| turn == Turn::Object) {
+            Some(spin) => spin.apply(&mut look, degrees),
+            None => turn.apply(&mut look, degrees),
+        }
         values.insert(0, (format!("{TURN}-{}", turn.name()), Value::Number(degrees)));
     }
     let moment = settings.motion.as_ref().map(|motion| {

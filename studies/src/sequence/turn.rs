@@ -2,14 +2,21 @@
 
 use clap::ValueEnum;
 use glam::{Quat, Vec3};
-use lapidary_core::{camera::Camera, lights::Light};
+use lapidary_core::{
+    camera::Camera,
+    lights::Light,
+    scene::{
+        Scene,
+        pose::{Objects, Similarity},
+    },
+};
 use lapidary_render::Look;
 
 /// What turns, counter-clockwise seen from above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Turn {
     /// The whole scene, in front of the camera and under its lights. Visibility was baked for the unturned scene, so camera,
-    /// environment and lights turn the other way together, with the same result; single objects cannot turn
+    /// environment and lights turn the other way together, with the same result
     Object,
     /// The camera, about its target
     Camera,
@@ -49,6 +56,32 @@ impl Turn {
     }
 }
 
+/// An object that turns alone, by implicit visibility.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spin {
+    /// Its index.
+    pub object: u32,
+    /// The center of its pose, in meters: that of its box as baked.
+    pub center: Vec3,
+    /// The point through which the vertical goes about which it turns, in meters.
+    pub pivot: Vec3,
+}
+
+impl Spin {
+    /// About its own center in a look.
+    pub fn about_center(scene: &Scene, object: u32, look: &Look) -> Self {
+        let center = Objects::of(scene).center(object);
+        Self { object, center, pivot: center + look.poses.of(object).translate }
+    }
+
+    /// Turns the object by `degrees` in the look.
+    pub fn apply(self, look: &mut Look, degrees: f32) {
+        let rotation = Quat::from_rotation_y(degrees.to_radians());
+        let turn = Similarity { rotation, pivot: self.pivot, ..Similarity::IDENTITY };
+        look.poses.set(self.object, look.poses.of(self.object).followed_by(&turn, self.center));
+    }
+}
+
 /// The vertical through a point, and a rotation about it.
 struct Axis {
     center: Vec3,
@@ -74,6 +107,7 @@ impl Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lapidary_core::scene::pose::Pose;
     use lapidary_render::test_looks::look;
 
     fn turned(turn: Turn, degrees: f32) -> Look {
@@ -86,6 +120,23 @@ mod tests {
     fn seen(look: &Look, direction: Vec3) -> (Vec3, Vec3) {
         let view = look.view.camera.world_from_view().transpose() * direction;
         (view, Quat::from_rotation_y(-look.illumination.rotation) * direction)
+    }
+
+    #[test]
+    fn an_object_spins_alone_about_its_own_center_and_keeps_its_pose() {
+        let (scene, mut look) = (lapidary_core::test_scenes::cubes(3), look());
+        let before = Pose { translate: Vec3::X, rotate_degrees: Vec3::new(0.0, 20.0, 0.0), ..Pose::AS_BAKED };
+        look.poses.set(1, before);
+        let spin = Spin::about_center(&scene, 1, &look);
+        let camera = look.view.camera.clone();
+        spin.apply(&mut look, 90.0);
+        let after = look.poses.of(1);
+        assert!(after.translate.distance(before.translate) < 1e-5, "{after:?}");
+        assert!((after.rotation() * Vec3::X).distance(Quat::from_rotation_y(110_f32.to_radians()) * Vec3::X) < 1e-4);
+        assert!(look.poses.is_as_baked(0) && look.view.camera == camera, "nothing else turns");
+        let aside = Spin { pivot: spin.pivot + Vec3::X, ..spin };
+        aside.apply(&mut look, 90.0);
+        assert!(look.poses.of(1).translate.distance(before.translate) > 0.5, "negative control: about another point");
     }
 
     #[test]

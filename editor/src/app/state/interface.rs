@@ -13,6 +13,8 @@ pub struct Interface {
     pub keys_open: bool,
     /// The viewport's rectangle in the last frame.
     pub viewport_rect: Rect,
+    /// The next click into the viewport focuses the camera.
+    pub focusing: bool,
     /// Frames left in which a clipboard text is taken as a camera.
     pub pasting_camera: u8,
     /// The panels at both sides.
@@ -35,6 +37,7 @@ impl Interface {
         Self {
             keys_open: false,
             viewport_rect: Rect::NOTHING,
+            focusing: false,
             pasting_camera: 0,
             sides: SidePanels::new(widths),
             window: (Vec2::ZERO, f64::NEG_INFINITY),

@@ -1,9 +1,13 @@
 //! Clamps values of a file that a renderer cannot use, each with a warning.
 
 use super::{Session, SessionCamera, SessionLight, SessionLook, SessionMaterial, SessionMaterials};
-use crate::document::{EnvironmentSettings, SunChoice, ViewSettings, lights};
+use crate::{
+    document::{EnvironmentSettings, SunChoice, ViewSettings, lights},
+    viewport::gate::GATES,
+};
 use glam::Vec3;
 use lapidary_core::{
+    camera::Lens,
     lights::{Emission, Light, MAX_LIGHTS},
     names::told_apart,
 };
@@ -168,6 +172,12 @@ impl Checks<'_> {
         self.range("the illumination cut", &mut view.illum_cut, [1, 32_768, default.illum_cut]);
         self.range("the share that lit cuts move", &mut view.tau, [0.0, 1.0, default.tau]);
         self.range("the number of samples per pixel", &mut view.aa, [1, 256, default.aa]);
+        let [narrowest, widest] = GATES;
+        let is_gate = |aspect: &f32| (narrowest..=widest).contains(aspect);
+        if !view.aspect.as_ref().is_none_or(is_gate) {
+            view.aspect = None;
+            self.warnings.push("the shape of the picture is out of range; it is that of the window".into());
+        }
         self.range("the frame budget", &mut view.frame_budget_ms, [1.0, 10_000.0, default.frame_budget_ms]);
     }
 
@@ -186,6 +196,11 @@ impl Checks<'_> {
         }
         let what = format!("the field of view of the camera \"{name}\"");
         self.range(&what, &mut camera.fov_y_degrees, [1.0, 170.0, 40.0]);
+        if !camera.lens.is_valid() {
+            camera.lens = Lens::default();
+            self.warnings
+                .push(format!("the lens of the camera \"{name}\" has a number out of range; a pinhole is used"));
+        }
         true
     }
 }

@@ -8,7 +8,7 @@ use crate::document::{
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     animation::ClipTime,
-    camera::Camera,
+    camera::{Camera, Lens},
     dataset::BakeSettings,
     lights::Light,
     material::{Material, MaterialOf},
@@ -215,6 +215,8 @@ pub struct SessionCamera {
     pub target: Vec3,
     pub up: Vec3,
     pub fov_y_degrees: f64,
+    #[serde(skip_serializing_if = "Lens::is_default")]
+    pub lens: Lens,
 }
 
 impl Session {
@@ -406,6 +408,7 @@ impl From<&Camera> for SessionCamera {
             target: camera.target,
             up: camera.up,
             fov_y_degrees: degrees(camera.fov_y),
+            lens: camera.lens,
         }
     }
 }
@@ -418,6 +421,7 @@ impl From<&SessionCamera> for Camera {
             target: camera.target,
             up: camera.up,
             fov_y: camera.fov_y_degrees.to_radians() as f32,
+            lens: camera.lens,
         }
     }
 }

@@ -46,7 +46,7 @@ pub struct Subject {
 
 impl Subject {
     /// Position of its middle, in meters.
-    fn place(&self, poses: &Poses) -> Vec3 {
+    pub fn place(&self, poses: &Poses) -> Vec3 {
         let pose = poses.of(self.object);
         self.center + pose.translate + pose.rotation() * (pose.scale * (self.middle - self.center))
     }

@@ -2,7 +2,7 @@
 
 use egui::{Pos2, Rect, vec2};
 use glam::{Vec2, Vec3};
-use lapidary_core::camera::{self, Camera, PINHOLE};
+use lapidary_core::camera::{self, Camera};
 
 /// Near plane, as a share of the distance to the target.
 const NEAR: f32 = 1e-3;
@@ -70,7 +70,7 @@ impl Projection {
     /// Unit direction of the ray through a position of the screen.
     pub fn direction(&self, pointer: Pos2) -> Vec3 {
         let at = pointer - self.rect.min;
-        self.of_camera.ray(Vec2::new(at.x, at.y), PINHOLE).1
+        self.of_camera.ray(Vec2::new(at.x, at.y)).1
     }
 
     fn view(&self, world: Vec3) -> Vec3 {

@@ -13,7 +13,6 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 use lapidary_core::{
-    camera::PINHOLE,
     ray::Intersector,
     scene::Mesh,
     shot::{Frustum, Shot},
@@ -148,7 +147,7 @@ fn filled_part(shot: &Shot, scene: &Intersector) -> f32 {
     let projection = shot.camera.projection(size);
     let hits = |pixel: u32| {
         let center = Vec2::new((pixel % size[0]) as f32 + 0.5, (pixel / size[0]) as f32 + 0.5);
-        let (origin, direction) = projection.ray(center, PINHOLE);
+        let (origin, direction) = projection.ray(center);
         scene.occluded(origin, direction)
     };
     let rays = size[0] * size[1];

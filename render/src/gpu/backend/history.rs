@@ -122,7 +122,7 @@ impl Progress {
 
 /// The camera of a picture, and where its pixels' samples are.
 fn past(picture: &Picture) -> PastUniforms {
-    let projection = picture.view.projection();
+    let projection = picture.view.projection_of(picture.seen);
     PastUniforms {
         world_from_view: [0, 1, 2].map(|i| projection.world_from_view.col(i).extend(0.0).to_array()),
         eye: projection.eye.to_array(),

@@ -140,6 +140,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 picture_sample,
                 of_lobe,
                 picture_stride
+                center
+                padding
             ),
         ),
         (

@@ -21,7 +21,7 @@ use crate::{
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{GgxParameters, Parameters, example_file},
-    camera::Camera,
+    camera::{Camera, Lens},
     dataset::Dataset,
     environment::{Environment, sun_and_sky},
     image::Image,
@@ -444,6 +444,26 @@ fn bands_and_jittered_samples_add_up_to_the_whole() {
     assert!(difference(&one, &cpu.0).0 < 0.02, "{:?}", difference(&one, &cpu.0));
     assert!((stats.mean_merged_nodes / cpu.1.mean_merged_nodes - 1.0).abs() < 0.01);
     assert!((stats.mean_brdf_evaluations / cpu.1.mean_brdf_evaluations - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn samples_through_a_lens_agree_and_so_does_a_shifted_picture() {
+    let Some(mut rig) = Rig::new(64) else { return };
+    let straight = View { aa: 5, ..view(ViewMode::Shaded) };
+    let mut shot = |lens: Lens| {
+        let view = View { camera: Camera { lens, ..straight.camera.clone() }, ..straight.clone() };
+        let gpu = in_bands(&mut rig.gpu, &view, &[56]);
+        (gpu, rig.renderer.render_lit(&view, &light(), &rig.lighting, BrdfSampling::Refine).0)
+    };
+    let (sharp, _) = shot(Lens::default());
+    for lens in [
+        Lens { f_number: Some(0.05), focus: Some(2.0), ..Lens::default() },
+        Lens { shift: Vec2::new(0.1, -0.2), ..Lens::default() },
+    ] {
+        let (gpu, cpu) = shot(lens);
+        assert!(difference(&gpu, &cpu).0 < 0.02, "{lens:?}: {:?}", difference(&gpu, &cpu));
+        assert!(difference(&gpu, &sharp).0 > 0.05, "negative control, {lens:?}: {:?}", difference(&gpu, &sharp));
+    }
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! Camera rays through transparent surfaces.
 
 use super::*;
+use crate::view::pixel_sample_position;
 use crate::{
     Appearance,
     test_scenes::{dataset, from_above, mesh, white},
 };
+use glam::DVec2;
 use lapidary_core::{dataset::Dataset, parts::Part};
 
 /// A green floor below two transparent red panes, one just above the other.
@@ -103,4 +105,70 @@ fn an_edit_of_opacity_counts_at_once() {
     edited.materials[1].parameters.set("geometry_opacity", 1.0);
     renderer.set_appearance(edited);
     assert_eq!(mean(&middle(&renderer, 16)), before);
+}
+
+/// Height of the eye over the floor, and of the plates over it, in meters.
+const EYE: f32 = 6.0;
+const PLATE: f32 = 1.0;
+/// Radius of the aperture in meters.
+const APERTURE_RADIUS: f32 = 1.2;
+
+/// From above, with a wide lens that is focused on the floor.
+fn through_a_lens(samples: u32) -> View {
+    let mut view = View { aa: samples, ..from_above(48) };
+    view.camera.lens.f_number = Some(view.camera.focal_length() / (2.0 * APERTURE_RADIUS));
+    view.camera.lens.focus = Some(EYE);
+    view
+}
+
+/// Share of the aperture through which a pixel sees the plate: of the unit disc left of a line.
+fn seen_past_the_edge(view: &View, x: u32) -> f32 {
+    let on_floor = (x as f32 + 0.5 - 24.0) * view.projection().pixel_span(EYE);
+    // Rays from the aperture to the floor meet the height of the plate here.
+    let [of_lens, of_floor] = [PLATE / EYE, 1.0 - PLATE / EYE];
+    let line = ((0.5 - of_floor * on_floor) / (of_lens * APERTURE_RADIUS)).clamp(-1.0, 1.0);
+    0.5 + (line * (1.0 - line * line).sqrt() + line.asin()) / std::f32::consts::PI
+}
+
+#[test]
+fn an_edge_out_of_focus_is_as_soft_as_the_aperture_is_wide() {
+    let renderer = Renderer::new(panes(1.0));
+    let (view, backdrop) = (through_a_lens(256), Backdrop::black());
+    let sampler = PixelSampler::new(&renderer, &view, &backdrop);
+    let mut soft = 0;
+    for x in 24..48 {
+        let expected = seen_past_the_edge(&view, x);
+        let by_samples = sampler.pixel(x, 24, |point| point.emission).x;
+        assert!((by_samples - expected).abs() < 0.03, "{x}: {by_samples} for {expected}");
+        let at = |i: u32| pixel_sample_position(i, DVec2::splat(0.5));
+        let by_chance: f32 = (0..256).map(|i| sampler.sample_at(x, 24, at(i), |point| point.emission).x).sum();
+        assert!((by_chance / 256.0 - expected).abs() < 0.12, "{x}: {by_chance} of 256 paths for {expected}");
+        soft += u32::from((0.05..0.95).contains(&expected));
+    }
+    assert!(soft > 4, "{soft} pixels");
+    let mut sharp = view.clone();
+    sharp.camera.lens.focus = Some(EYE - PLATE);
+    let sampler = PixelSampler::new(&renderer, &sharp, &backdrop);
+    let between = |x: &u32| (0.05..0.95).contains(&sampler.pixel(*x, 24, |point| point.emission).x);
+    assert!((24..48).filter(between).count() < 2, "negative control: the plate is in focus");
+}
+
+#[test]
+fn rays_of_a_sample_are_traced_together_through_its_point_of_the_lens() {
+    let renderer = Renderer::new(panes(1.0));
+    let (view, backdrop) = (through_a_lens(8), Backdrop::black());
+    let sampler = PixelSampler::new(&renderer, &view, &backdrop);
+    let pixels: Vec<[u32; 2]> = (0..48).map(|x| [x, 24]).collect();
+    for sample in 0..8 {
+        let hits = sampler.hits(&pixels, sample);
+        for (&[x, y], hit) in pixels.iter().zip(hits) {
+            let [alone, together] = [sampler.sight(x, y, sample), sampler.sight_of([x, y], sample, hit)];
+            assert_eq!(alone.position, together.position);
+            let place = |sight: &Sight| sight.surface().map(|point| (point.triangle, point.position));
+            match [&alone, &together].map(place) {
+                [Some((a, at_a)), Some((b, at_b))] => assert!(a == b && at_a.distance(at_b) < 1e-4, "{x}, {sample}"),
+                [a, b] => assert_eq!(a, b, "{x}, {sample}"),
+            }
+        }
+    }
 }

@@ -4,7 +4,8 @@
 //! that has many. Pixel grid and vertical field of view are the same.
 
 use super::{MitsubaScene, xml};
-use lapidary_core::{bounds::Bounds, ground::Ground};
+use glam::Vec2;
+use lapidary_core::{bounds::Bounds, camera::Camera, ground::Ground};
 use lapidary_render::{Appearance, Background, View, has_mirrors};
 
 /// Values that `mitsuba -D` or `mi.load_file` may set.
@@ -21,7 +22,7 @@ pub fn integrator_and_sensor(scene: &MitsubaScene) -> String {
             "",
             &(xml::value("integer", "max_depth", "$max_depth") + &xml::value("boolean", "hide_emitters", hidden)),
         );
-    integrator + &xml::plugin("sensor", "perspective", "", &sensor(scene))
+    integrator + &xml::plugin("sensor", lens(scene), "", &sensor(scene))
 }
 
 /// Thin surfaces along a path: Mitsuba counts each as a bounce.
@@ -33,6 +34,11 @@ fn depth(scene: &MitsubaScene) -> u32 {
     let is_lit_by_surfaces_alone = scene.environment.is_none() && scene.lights.is_empty();
     let layers = if scene.lets_through() { LAYERS } else { 0 };
     scene.bounces.saturating_add(layers + if is_lit_by_surfaces_alone { 1 } else { 2 })
+}
+
+/// A thin lens with an aperture, or a pinhole.
+fn lens(scene: &MitsubaScene) -> &'static str {
+    if scene.view.camera.lens.f_number.is_some() { "thinlens" } else { "perspective" }
 }
 
 fn sensor(scene: &MitsubaScene) -> String {
@@ -56,10 +62,31 @@ fn sensor(scene: &MitsubaScene) -> String {
         xml::value("float", "far_clip", 2.0 * farthest),
         // The upward axis of the picture, because the camera's may be parallel to the view.
         xml::look_at(camera.eye, camera.target, camera.world_from_view().y_axis),
+        aperture(camera),
+        shift(scene.view),
         sampler,
         xml::plugin("film", "hdrfilm", "", &film.concat()),
     ]
     .concat()
+}
+
+/// Radius of the aperture and distance in focus, in meters.
+fn aperture(camera: &Camera) -> String {
+    if camera.lens.f_number.is_none() {
+        return String::new();
+    }
+    let radius = xml::value("float", "aperture_radius", camera.aperture_radius());
+    radius + &xml::value("float", "focus_distance", camera.focus_distance())
+}
+
+/// The shift, which Mitsuba measures in widths and heights of the film, and which moves the film.
+fn shift(view: &View) -> String {
+    let (shift, [width, height]) = (view.camera.lens.shift, view.size);
+    if shift == Vec2::ZERO {
+        return String::new();
+    }
+    let across = shift.x * height as f32 / width.max(1) as f32;
+    xml::value("float", "principal_point_offset_x", -across) + &xml::value("float", "principal_point_offset_y", shift.y)
 }
 
 /// Differences of view and path length in Mitsuba.
