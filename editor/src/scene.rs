@@ -11,7 +11,7 @@ use crate::{
     document::Document,
     dragged::Dragged,
     viewport::gizmo::{Pivot, Subject},
-    widgets::{eye, outline, section},
+    widgets::{eye, outline, padlock, section},
 };
 use egui::{
     Button, Color32, ComboBox, Layout, Response, Role, ScrollArea, Sense, StrokeKind, TextEdit, Ui, WidgetInfo, vec2,
@@ -147,8 +147,7 @@ fn objects(
             ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
                 object_eye(ui, context, index as u32, names[index], actions);
                 if context.document.handling_of(index as u32).locked {
-                    let unlock = ui.add(Button::new("🔒").small().frame(false)).on_hover_text("Unlock");
-                    if unlock.accessible_name(format!("Unlock {}", names[index])).clicked() {
+                    if padlock(ui, names[index]).clicked() {
                         actions.extend(object_menu::lock(context.document, &[index as u32], false));
                     }
                 }

@@ -17,7 +17,7 @@ pub mod units;
 
 pub use color::{color_row, display_color};
 pub use edit_row::edit_row;
-pub use eye::eye;
+pub use eye::{eye, padlock};
 pub use layers::Layers;
 pub use layout::{RowName, row, row_of};
 pub use texture::texture_of;

@@ -22,10 +22,8 @@ pub const MOST_SHIFT: f32 = 2.0;
 #[serde(default)]
 pub struct Lens {
     /// Focal length over diameter of the aperture, at least [`LEAST_F_NUMBER`]; `None` for a pinhole.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub f_number: Option<f32>,
     /// Distance from the eye to the plane of focus along the optical axis, in meters; `None` focuses the target.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub focus: Option<f32>,
     /// Height of the sensor in millimeters, to which focal lengths and f-numbers belong.
     pub sensor_mm: f32,

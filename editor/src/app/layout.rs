@@ -11,7 +11,10 @@ use super::{
 };
 use crate::{
     actions::Action,
-    compare,
+    compare::{
+        self,
+        panel::{Stage, Subject},
+    },
     document::{BackgroundKind, Unlit},
     lights,
     look::illumination,
@@ -219,7 +222,20 @@ fn show_timeline(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
 }
 
 fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
-    state.comparison.show(ui, actions);
+    let is_moved = |baked: &Baked| !state.pose.poses_since(&state.work, baked).is_empty();
+    let stage = match state.work.scene.seen() {
+        BakeStage::Unshadowed => Stage::Unshadowed,
+        _ if state.work.scene.rendered().is_some_and(is_moved) => Stage::Moved,
+        BakeStage::Draft => Stage::Draft,
+        BakeStage::Whole => Stage::Baked,
+    };
+    let subject = Subject {
+        stage,
+        is_baking: state.baking.progress().is_some(),
+        can_bake: state.work.scene.source.is_some(),
+        camera: Some(&state.work.document.camera),
+    };
+    state.comparison.show(ui, subject, actions);
 }
 
 /// The note over the picture: a preview, a running bake, or opacity that differs from the bake.

@@ -224,7 +224,7 @@ fn view(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
 
 fn bake(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     let running = state.baking.progress().is_some();
-    entry(ui, state, actions, Command::Bake, !running && state.work.scene.source.is_some());
+    entry(ui, state, actions, Command::Bake, state.work.scene.source.is_some());
     if ui.add_enabled(running, Button::new("Cancel bake")).clicked() {
         actions.push(Action::Bake(BakeAction::Cancel));
         ui.close();

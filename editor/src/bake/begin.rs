@@ -13,7 +13,7 @@ use lapidary_core::{
     scene::pose::Poses,
 };
 use lapidary_interchange::formats::SceneFormat;
-use lapidary_precompute::{BakeJob, Leftover, Preset, leftover, resolve};
+use lapidary_precompute::{BakeJob, Leftover, Preset, ResolvedBake, leftover, resolve};
 use lapidary_studies::jobs::bake::{BakeTask, draft_is_sooner};
 use std::{
     path::{Path, PathBuf},
@@ -21,8 +21,9 @@ use std::{
     time::SystemTime,
 };
 
-/// Why no second bake starts.
-pub const UNDER_WAY: &str = "A bake is already running; cancel it first";
+/// What a request for a bake does while one runs.
+pub const UNDER_WAY: &str = "What is shown is being baked already";
+pub const STARTS_AGAIN: &str = "The bake starts again, with what is shown now";
 
 impl Baking {
     /// Bakes with the document's settings, or resumes an interrupted bake. Only the user resumes bakes that the user began.
@@ -34,18 +35,33 @@ impl Baking {
             (Asker::User, From::Beginning) => work.scene.bake_output.clone(),
         };
         if self.run.is_some() {
-            return work.messages.note(UNDER_WAY);
+            return self.ask_again(work, order);
         }
         let asked_anew = (order.asked_by, order.from) == (Asker::User, From::Beginning);
         if asked_anew && self.update_instead(work, output.as_ref()) {
             return;
         }
         match self.task(work, order, output) {
-            Ok(Some(task)) => self.begin(task, order, work.wake.clone()),
+            Ok(Some(task)) => self.begin(task, order, content(work), work.wake.clone()),
             // The user has been warned that a file would be overwritten.
             Ok(None) => {}
             Err(error) => work.messages.error(error),
         }
+    }
+
+    /// A request while a bake runs: it starts again if it would bake something else. A bake that nobody asked for is kept as the
+    /// user's once it is done.
+    fn ask_again(&mut self, work: &mut Workspace, order: BakeOrder) {
+        let now = content(work);
+        let Some(run) = self.run.as_ref().filter(|_| order.asked_by == Asker::User) else { return };
+        let is_same = now.is_some() && run.content == now;
+        if is_same {
+            self.again = (run.asked_by == Asker::Nobody).then_some(order);
+            return work.messages.note(UNDER_WAY);
+        }
+        self.again = Some(order);
+        work.messages.note(STARTS_AGAIN);
+        self.cancel();
     }
 
     /// The driver's task for an order; `None` if its output may not be written.
@@ -89,15 +105,11 @@ impl Baking {
 
     /// The remains of an interrupted bake that suit the present settings. They are read again only when their inputs have changed.
     pub fn leftover(&mut self, work: &Workspace) -> Leftover {
-        let Some((source, output)) = work.scene.source.as_ref().zip(interrupted(&work.scene)) else {
-            return Leftover::Nothing;
-        };
+        let output = work.scene.source.as_ref().and_then(|_| interrupted(&work.scene));
+        let Some(output) = output else { return Leftover::Nothing };
         let Some(written) = checkpoint_time(&output) else { return Leftover::Nothing };
-        let Ok(settings) = resolve(work.document.bake.clone()) else { return Leftover::OfAnother };
-        let document = work.document.with_objects_of(&source.scene);
-        let opacities = document.opacities_for(&source.scene);
-        let content = bake_hash(&source.hash, &opacities, &document.poses, document.clip_time.as_ref());
-        let looked = Looked { output, scene_hash: content, settings, written };
+        let Some((scene_hash, settings)) = content(work) else { return Leftover::OfAnother };
+        let looked = Looked { output, scene_hash, settings, written };
         let known = self.leftover.take().filter(|(known, _)| *known == looked);
         let look = || {
             let found = leftover(&looked.output, &looked.scene_hash, &looked.settings);
@@ -105,6 +117,15 @@ impl Baking {
         };
         self.leftover.insert(known.unwrap_or_else(look)).1
     }
+}
+
+/// What a bake of the document would hold: a hash of the scene as it would be baked, and the settings; `None` if it cannot be baked.
+pub fn content(work: &Workspace) -> Option<(String, ResolvedBake)> {
+    let source = work.scene.source.as_ref()?;
+    let settings = resolve(work.document.bake.clone()).ok()?;
+    let document = work.document.with_objects_of(&source.scene);
+    let opacities = document.opacities_for(&source.scene);
+    Some((bake_hash(&source.hash, &opacities, &document.poses, document.clip_time.as_ref()), settings))
 }
 
 /// The output of an interrupted bake: the user's, or else an automatic one.

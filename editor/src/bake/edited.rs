@@ -62,6 +62,7 @@ impl Baking {
             asked_by,
             of_poses,
             is_overtaken,
+            content: None,
         });
         (self.ended, self.whole) = (None, Some(before));
     }

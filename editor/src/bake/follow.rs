@@ -1,7 +1,7 @@
 //! A running bake: its messages, its result on the screen, and its status.
 
 use super::{
-    begin::UNDER_WAY,
+    begin::{STARTS_AGAIN, UNDER_WAY},
     kept::{keep_draft, note_bake},
     panel::BakeStatus,
     stale::stale_now,
@@ -19,12 +19,20 @@ impl Baking {
 
     /// Cancels the bake, and starts no other for the ground.
     pub fn cancel_for_good(&mut self) {
-        (self.wants_ground, self.begins_anew) = (false, false);
+        (self.wants_ground, self.begins_anew, self.again) = (false, false, None);
         self.cancel();
     }
 
     pub fn collect(&mut self, work: &mut Workspace) {
         self.collect_written(work);
+        self.collect_run(work);
+        if let Some(order) = self.again.filter(|_| self.run.is_none()) {
+            self.again = None;
+            self.bake(work, order);
+        }
+    }
+
+    fn collect_run(&mut self, work: &mut Workspace) {
         let Some(run) = &mut self.run else { return };
         let messages = run.job.messages();
         for message in messages {
@@ -36,7 +44,7 @@ impl Baking {
                     show_baked(work, baked, true);
                 }
                 BakeMessage::Done(baked) => {
-                    work.messages.withdraw(UNDER_WAY);
+                    withdraw_notes(work);
                     let run = self.run.take();
                     if run.as_ref().is_none_or(|run| run.of_poses.is_none()) {
                         self.whole = None;
@@ -63,7 +71,7 @@ impl Baking {
 
     fn end(&mut self, work: &mut Workspace, ended: Ended) {
         self.refused = self.run.take().and_then(|run| run.of_poses);
-        work.messages.withdraw(UNDER_WAY);
+        withdraw_notes(work);
         self.ended = Some(ended);
     }
 
@@ -84,6 +92,12 @@ impl Baking {
             (None, None) => BakeStatus::None,
         }
     }
+}
+
+/// What was said of the running bake is over.
+fn withdraw_notes(work: &mut Workspace) {
+    work.messages.withdraw(UNDER_WAY);
+    work.messages.withdraw(STARTS_AGAIN);
 }
 
 /// Renders another bake of the scene. Materials that were edited stay.

@@ -35,6 +35,8 @@ pub struct Baking {
     pub leftover: Option<(Looked, Leftover)>,
     /// A bake for a requested ground begins once the running one has ended.
     pub wants_ground: bool,
+    /// The user's bake, which begins once the running one has ended.
+    pub again: Option<BakeOrder>,
     /// The running bake was canceled for a ground; another follows, with or without a ground.
     pub begins_anew: bool,
 }
@@ -65,6 +67,8 @@ pub struct Run {
     pub of_poses: Option<Poses>,
     /// Another move has overtaken the update.
     pub is_overtaken: bool,
+    /// What it bakes; `None` for an update.
+    pub content: Option<(String, ResolvedBake)>,
 }
 
 /// Who asks for a bake.
@@ -106,12 +110,13 @@ pub enum Ended {
 
 impl Baking {
     /// Begins a bake.
-    pub fn begin(&mut self, task: BakeTask, order: BakeOrder, wake: Wake) {
+    pub fn begin(&mut self, task: BakeTask, order: BakeOrder, content: Option<(String, ResolvedBake)>, wake: Wake) {
         let BakeJob { settings, output, .. } = &task.job;
         let (mode, has_ground, output) = (settings.mode, settings.ground != Ground::Off, output.clone());
         let job = BakeRun::start(task, wake);
         let (asked_by, of_poses, is_overtaken) = (order.asked_by, None, false);
-        self.run = Some(Run { job, mode, output, draft_shown: false, has_ground, asked_by, of_poses, is_overtaken });
+        self.run =
+            Some(Run { job, mode, output, draft_shown: false, has_ground, asked_by, of_poses, is_overtaken, content });
         self.ended = None;
     }
 

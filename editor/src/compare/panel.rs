@@ -3,13 +3,15 @@
 mod figures;
 #[cfg(test)]
 mod tests;
+mod verdict;
+
+pub use verdict::{Stage, Subject};
 
 use crate::{
     actions::{Action, CompareAction, LadderAction},
     viewport::compare::CompareView,
-    widgets::copyable,
 };
-use egui::{Align2, Button, ComboBox, DragValue, ProgressBar, RichText, Ui, UiBuilder, vec2};
+use egui::{Align2, Button, ComboBox, DragValue, ProgressBar, Ui, UiBuilder, vec2};
 use lapidary_core::image::Region;
 use lapidary_render::{Baked, Look, ViewMode, compare::map::ErrorMap};
 use lapidary_studies::{
@@ -86,6 +88,8 @@ pub struct ComparisonPanel {
     pub region: Option<[f32; 4]>,
     /// Tool of the pointer.
     pub tool: Option<Tool>,
+    /// Whether figures and settings are shown.
+    pub advanced: bool,
 }
 
 impl Default for ComparisonPanel {
@@ -105,6 +109,7 @@ impl Default for ComparisonPanel {
             surfaces_only: true,
             region: None,
             tool: None,
+            advanced: false,
         }
     }
 }
@@ -220,9 +225,11 @@ pub struct ComparisonContext<'a> {
     pub tracing: bool,
     /// Why there is no comparison.
     pub problem: Option<&'a str>,
+    /// What is compared.
+    pub subject: Subject<'a>,
 }
 
-/// Shows the strip.
+/// Shows the strip: the pictures, what they say, and on request the figures.
 pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContext, actions: &mut Vec<Action>) {
     ui.add_space(2.0);
     close(ui, panel);
@@ -235,24 +242,34 @@ pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, context: &ComparisonContex
         ui.separator();
         views(ui, panel, context.measured);
         ui.separator();
-        let help = "Render with growing light cuts and with lit cuts, and compare each with a reference";
-        if ui.button("Cut sizes...").on_hover_text(help).clicked() {
-            actions.push(Action::Ladder(LadderAction::Start));
-        }
-        let asking = panel.tool == Some(Tool::Why);
-        let help = "Click a pixel in the viewport to see its cuts, nodes, light and causes of error";
-        if ui.selectable_label(asking, "Why?").on_hover_text(help).clicked() {
-            panel.tool = if asking { None } else { Some(Tool::Why) };
-        }
+        let help = "Figures of the differences, settings of the reference, and where errors come from";
+        ui.toggle_value(&mut panel.advanced, "Advanced").on_hover_text(help);
     });
-    figures::show(ui, panel, context.measured, |ui, panel| match context.problem {
-        Some(problem) => {
-            drop(copyable(ui, RichText::new(problem).color(ui.visuals().error_fg_color)));
-        }
-        None if context.measured.is_none() => drop(ui.weak(waiting(panel))),
-        None => {}
-    });
+    verdict::show(ui, panel, context, actions);
+    if panel.advanced {
+        ui.horizontal_wrapped(|ui| advanced(ui, panel, actions));
+        figures::show(ui, panel, context.measured);
+    }
+    let not_finite = context.measured.map_or(0, |measured| measured.metrics.non_finite_pixels);
+    if not_finite > 0 {
+        let text = format!("{not_finite} pixels are not finite; they are magenta and left out");
+        ui.colored_label(ui.visuals().warn_fg_color, text);
+    }
     ui.add_space(2.0);
+}
+
+/// Settings of the reference, and what explains errors.
+fn advanced(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>) {
+    settings(ui, panel);
+    let help = "Renders the view with growing light cuts and with lit cuts, and says which is enough";
+    if ui.button("Which cut size is enough?").on_hover_text(help).clicked() {
+        actions.push(Action::Ladder(LadderAction::Start));
+    }
+    let asking = panel.tool == Some(Tool::Why);
+    let help = "Click a pixel in the viewport to see its cuts, nodes and light, and the causes of its error";
+    if ui.selectable_label(asking, "Why is a pixel so?").on_hover_text(help).clicked() {
+        panel.tool = if asking { None } else { Some(Tool::Why) };
+    }
 }
 
 /// The button that ends the comparison, in the corner, where no changing width can push it under the pointer.
@@ -300,10 +317,13 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
         if ui.button(file_name(panel.file.as_deref())).on_hover_text("Choose another picture").clicked() {
             actions.push(Action::Compare(CompareAction::Reference(None)));
         }
-        return;
     }
+}
+
+/// Size and light paths of the reference.
+fn settings(ui: &mut Ui, panel: &mut ComparisonPanel) {
     if panel.kind == KindChoice::Paths {
-        let spp = DragValue::new(&mut panel.spp).range(1..=1_000_000).speed(1.0).suffix(" spp");
+        let spp = DragValue::new(&mut panel.spp).range(1..=1_000_000).speed(1.0).suffix(" paths");
         ui.add(spp)
             .accessible_name("Paths per pixel")
             .on_hover_text("Light paths per pixel: four times as many halve the noise");

@@ -1,6 +1,6 @@
 //! The comparison with a reference: its threads, their results, and their last requests.
 
-use super::panel::{self, ComparisonContext, ComparisonPanel};
+use super::panel::{self, ComparisonContext, ComparisonPanel, Subject};
 use crate::{actions::Action, document::looks::LookState, viewport::compare::Compared, widgets::texture_of};
 use egui::{Color32, Context, TextureHandle, TextureOptions, Ui};
 use lapidary_core::image::Region;
@@ -87,7 +87,7 @@ impl Comparison {
         }
     }
 
-    /// Contents of the strip.
+    /// Contents of the strip, without its subject.
     pub fn context(&self) -> ComparisonContext<'_> {
         let tracing = self.jobs.as_ref().map(|jobs| &jobs.tracing);
         ComparisonContext {
@@ -97,14 +97,15 @@ impl Comparison {
             held: tracing.is_some_and(ComparisonThread::is_held),
             tracing: self.test.is_some() && self.trace_problem.is_none(),
             problem: self.trace_problem.as_deref().or(self.measure_problem.as_deref()),
+            subject: Subject::default(),
         }
     }
 
     /// Shows the strip.
-    pub fn show(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+    pub fn show(&mut self, ui: &mut Ui, subject: Subject, actions: &mut Vec<Action>) {
         // Taken out, since its context borrows the rest.
         let mut panel = std::mem::take(&mut self.panel);
-        panel::show(ui, &mut panel, &self.context(), actions);
+        panel::show(ui, &mut panel, &ComparisonContext { subject, ..self.context() }, actions);
         self.panel = panel;
     }
 

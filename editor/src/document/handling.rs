@@ -13,7 +13,6 @@ pub struct Handling {
     /// Clicks in the viewport go through it, and it keeps its pose.
     pub locked: bool,
     /// Its pivot; `None` for its center.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pivot: Option<PlacedPivot>,
 }
 
@@ -23,7 +22,7 @@ pub struct PlacedPivot {
     /// The point about which it turns and scales, in meters, with the object as in the scene file.
     pub point: Vec3,
     /// The unit direction of a hinge, if it was placed on an edge.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub hinge: Option<Vec3>,
 }
 

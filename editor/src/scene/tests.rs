@@ -215,7 +215,7 @@ fn all_selected_objects_are_reset_and_their_pivot_is_chosen() {
     assert_eq!(panel.state().pivot, Pivot::Active);
     panel.get_by_role_and_label(Role::ComboBox, "Pivot").click();
     panel.run();
-    panel.get_by_label("Own centers").click();
+    panel.get_by_label("Own pivots").click();
     panel.run();
     assert_eq!(panel.state().pivot, Pivot::Own);
 }

@@ -151,7 +151,8 @@ fn the_lens_is_opened_focused_and_shifted_and_a_sensor_keeps_the_field_of_view()
     assert!(matches!(panel.state().1.last(), Some(Action::Camera(CameraAction::AskForFocus))));
     panel.get_by_label("Focus").click();
     panel.run();
-    assert_eq!(camera_asked(&panel).unwrap().lens.focus, Some(2.0), "the distance of the target");
+    let distance = Document::empty().camera.focus_distance();
+    assert_eq!(camera_asked(&panel).unwrap().lens.focus, Some(distance), "that of the target");
     typed(&mut panel, "Shift up value", "0.25");
     assert_eq!(camera_asked(&panel).unwrap().lens.shift.y, 0.25);
     panel.get_by_role_and_label(egui::Role::ComboBox, "Sensor").click();

@@ -1,4 +1,4 @@
-//! The eye that switches a row of a list on and off.
+//! The eye that switches a row of a list on and off, and the padlock of a locked one.
 
 use egui::{Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 
@@ -12,6 +12,22 @@ pub fn eye(ui: &mut Ui, verbs: [&str; 2], name: &str, enabled: bool) -> Response
     eye.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), format!("{verb} {name}")));
     paint_eye(ui, rect, enabled, eye.hovered());
     eye.on_hover_text(verb)
+}
+
+/// A closed padlock, which a click opens.
+pub fn padlock(ui: &mut Ui, name: &str) -> Response {
+    let (rect, lock) = ui.allocate_exact_size(vec2(EYE, ui.spacing().interact_size.y), Sense::click());
+    lock.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), format!("Unlock {name}")));
+    let visuals = ui.visuals();
+    let color = if lock.hovered() { visuals.strong_text_color() } else { visuals.text_color() };
+    let center = rect.center() + vec2(0.0, 2.0);
+    ui.painter().rect_filled(Rect::from_center_size(center, vec2(9.0, 7.0)), 1.5, color);
+    let at = |i: u8| {
+        let (sin, cos) = (std::f32::consts::PI * f32::from(i) / 12.0).sin_cos();
+        center + vec2(2.8 * cos, -3.5 - 4.0 * sin)
+    };
+    ui.painter().add(Shape::line((0..=12).map(at).collect(), Stroke::new(1.3, color)));
+    lock.on_hover_text("Unlock")
 }
 
 /// Paints the eye, which the toolkit's font lacks.

@@ -23,7 +23,7 @@ fn comparing(place: &Place) -> Window {
     window.0.key_press(Key::C);
     window.0.run_steps(2);
     *panel(&mut window) =
-        ComparisonPanel { open: true, kind: KindChoice::Paths, spp: 4, scale: 8, ..Default::default() };
+        ComparisonPanel { open: true, kind: KindChoice::Paths, spp: 4, scale: 8, advanced: true, ..Default::default() };
     finished(&mut window);
     window
 }
@@ -154,7 +154,7 @@ fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
     window.0.state_mut().ladder = LadderWindow::default();
     window.0.run_steps(1);
     assert!(!window.0.state().comparison.context().held, "a window that is closed gives the cores back");
-    window.click("Cut sizes...");
+    window.click("Which cut size is enough?");
     window.wait("all figures", |s| s.ladder.figures() == 7);
     window.0.run_steps(3);
     assert!(!window.0.state().comparison.context().held, "its end gives the cores back");
@@ -178,7 +178,7 @@ fn the_ladder_finds_figures_for_all_sizes_and_a_click_uses_one() {
 fn a_click_asks_why_and_the_answer_has_the_nodes_of_the_pixel_and_its_errors_causes() {
     let place = Place::new();
     let mut window = comparing(&place);
-    window.click("Why?");
+    window.click("Why is a pixel so?");
     let rect = window.0.state().interface.viewport_rect;
     let click = |window: &mut Window, at| {
         window.0.drag_at(at);

@@ -124,3 +124,21 @@ fn a_locked_object_has_no_handles_and_a_placed_pivot_shows_its_ring() {
     window.perform(Action::Undo);
     assert!(window.0.state().pose.movable(&window.0.state().work).is_some(), "negative control");
 }
+
+#[test]
+fn a_bake_asked_for_while_one_runs_starts_again_only_if_something_else_is_shown() {
+    let place = Place::new();
+    let mut window = with_a_rug(&place);
+    let begin = || Action::Bake(BakeAction::Begin { resume: false });
+    window.perform(begin());
+    assert!(window.0.state().baking.progress().is_some());
+    window.perform(begin());
+    assert!(window.has_said("being baked already") && !window.has_said("starts again"), "negative control");
+    let raised = Pose { translate: Vec3::Y, ..MOVED };
+    window.perform(Action::Edit { edit: Edit::Poses([(PYRAMID, raised)].into()), label: "Move object" });
+    window.perform(begin());
+    assert!(window.has_said("starts again"));
+    window.wait("the other bake", |s| s.baking.progress().is_none() && s.baking.again.is_none());
+    let baked = window.0.state().work.scene.shown().unwrap().dataset.scene.placed_poses();
+    assert_eq!(baked.of(PYRAMID_NOW), raised);
+}

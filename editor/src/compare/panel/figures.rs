@@ -12,13 +12,8 @@ const BINS: usize = 50;
 /// Width of the options in points.
 const OPTIONS: f32 = 116.0;
 
-/// Shows options, histogram and figures, or else the text `otherwise`.
-pub fn show(
-    ui: &mut Ui,
-    panel: &mut ComparisonPanel,
-    measured: Option<&Measured>,
-    otherwise: impl FnOnce(&mut Ui, &ComparisonPanel),
-) {
+/// Shows options, histogram and figures.
+pub fn show(ui: &mut Ui, panel: &mut ComparisonPanel, measured: Option<&Measured>) {
     ui.horizontal_wrapped(|ui| {
         ui.vertical(|ui| {
             ui.set_max_width(OPTIONS);
@@ -34,13 +29,7 @@ pub fn show(
                 });
             }
         }
-        otherwise(ui, panel);
     });
-    let not_finite = measured.map_or(0, |measured| measured.metrics.non_finite_pixels);
-    if not_finite > 0 {
-        let text = format!("{not_finite} pixels are not finite; they are magenta and left out");
-        ui.colored_label(ui.visuals().warn_fg_color, text);
-    }
 }
 
 /// Names, values and meanings, the most telling first.

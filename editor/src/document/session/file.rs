@@ -215,7 +215,6 @@ pub struct SessionCamera {
     pub target: Vec3,
     pub up: Vec3,
     pub fov_y_degrees: f64,
-    #[serde(skip_serializing_if = "Lens::is_default")]
     pub lens: Lens,
 }
 

@@ -139,8 +139,8 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
                 brightest,
                 picture_sample,
                 of_lobe,
-                picture_stride
-                center
+                picture_stride,
+                center,
                 padding
             ),
         ),
