@@ -158,7 +158,8 @@ impl EditorState {
     fn collect(&mut self, ctx: &egui::Context) {
         self.collect_opened();
         self.collect_loaded();
-        self.baking.collect(&mut self.work);
+        let is_disturbed = self.picture.render.works() || self.exporting.is_running();
+        self.baking.collect(&mut self.work, is_disturbed);
         self.baking.follow_ground(&mut self.work);
         self.picture.collect(&mut self.work, ctx);
         self.comparison.collect(&mut self.work, ctx);

@@ -23,18 +23,19 @@ impl Baking {
         self.cancel();
     }
 
-    pub fn collect(&mut self, work: &mut Workspace) {
+    /// Takes messages of the bake, which may be disturbed by other work.
+    pub fn collect(&mut self, work: &mut Workspace, is_disturbed: bool) {
         self.collect_written(work);
-        self.collect_run(work);
+        self.collect_run(work, is_disturbed);
         if let Some(order) = self.again.filter(|_| self.run.is_none()) {
             self.again = None;
             self.bake(work, order);
         }
     }
 
-    fn collect_run(&mut self, work: &mut Workspace) {
+    fn collect_run(&mut self, work: &mut Workspace, is_disturbed: bool) {
         let Some(run) = &mut self.run else { return };
-        let messages = run.job.messages();
+        let messages = run.job.messages(is_disturbed);
         for message in messages {
             match message {
                 BakeMessage::Warning(text) => work.messages.warning(text),

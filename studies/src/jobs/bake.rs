@@ -153,9 +153,9 @@ impl BakeRun {
         Self { messages, progress, cancel, door, since: Instant::now(), pace: PhasePace::default() }
     }
 
-    /// Events since the last call. Each call also measures the pace.
-    pub fn messages(&mut self) -> Vec<BakeMessage> {
-        self.pace.follow(self.progress(), self.door.waited());
+    /// Events since the last call. Each call also measures the pace, unless other work wants the cores.
+    pub fn messages(&mut self, is_disturbed: bool) -> Vec<BakeMessage> {
+        self.pace.follow(self.progress(), self.door.waited(), is_disturbed);
         self.messages.try_iter().collect()
     }
 

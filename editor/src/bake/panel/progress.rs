@@ -55,7 +55,9 @@ pub fn show(ui: &mut Ui, status: &BakeStatus, actions: &mut Vec<Action>) {
         ui.label("Canceling: stops at the next point");
     } else {
         let left = left_secs.map(duration);
-        ui.label(left.map_or("Time left unknown".into(), |left| format!("About {left} left in this step")));
+        ui.label(left.map_or("Time left unknown".into(), |left| {
+            format!("About {left} left in this step, longer while you work")
+        }));
     }
     ui.label(RichText::new(format!("{} so far", duration(elapsed_secs))).weak());
     // On the other side than the button that begins a bake, whose double click would cancel it.

@@ -110,7 +110,7 @@ fn a_running_bake_shows_progress_and_can_be_cancelled() {
     };
     let mut panel = panel(running, document(), None);
     assert!(panel.query_by_label("250 of 1,000 points").is_some());
-    assert!(panel.query_by_label("About 1 min 00 s left in this step").is_some());
+    assert!(panel.query_by_label("About 1 min 00 s left in this step, longer while you work").is_some());
     let percent = |name: &str| panel.get_by_label(name).accesskit_node().numeric_value();
     let phases = ["Pilot visibility progress", "Environment visibility progress", "Writing the bake progress"];
     assert_eq!(phases.map(percent), [Some(100.0), Some(25.0), Some(0.0)]);

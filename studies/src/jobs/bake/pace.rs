@@ -1,4 +1,5 @@
-//! Time left in the current phase of a bake, at its latest pace: beside a rendering picture a low-priority bake barely advances.
+//! Time left in the current phase of a bake, at its latest pace while nothing else wants the cores. Beside a rendering picture a
+//! bake of low priority barely advances: at that pace a bake of two minutes would be said to take hours.
 
 use super::BakeProgress;
 use lapidary_precompute::Phase;
@@ -13,23 +14,45 @@ pub struct PhasePace {
     since: Instant,
     /// Time the bake had been on hold when the phase began.
     waited_before: Duration,
+    /// The last progress: seconds of work, and units.
+    last: (f64, u64),
+    /// Seconds and units beside other work.
+    disturbed: (f64, u64),
     pace: Pace,
 }
 
 impl Default for PhasePace {
     fn default() -> Self {
-        Self { phase: None, since: Instant::now(), waited_before: Duration::ZERO, pace: Pace::default() }
+        Self {
+            phase: None,
+            since: Instant::now(),
+            waited_before: Duration::ZERO,
+            last: (0.0, 0),
+            disturbed: (0.0, 0),
+            pace: Pace::default(),
+        }
     }
 }
 
 impl PhasePace {
-    /// Records the progress of a bake that has been on hold for `waited`.
-    pub fn follow(&mut self, progress: BakeProgress, waited: Duration) {
+    /// Records the progress of a bake that has been on hold for `waited`. Of what it did beside other work since the last call the
+    /// pace knows nothing.
+    pub fn follow(&mut self, progress: BakeProgress, waited: Duration, is_disturbed: bool) {
         if progress.phase != self.phase {
             *self = Self { phase: progress.phase, waited_before: waited, ..Self::default() };
         }
         let worked = self.since.elapsed().saturating_sub(waited.saturating_sub(self.waited_before));
-        self.pace.note(worked.as_secs_f64(), progress.done);
+        self.advance(worked.as_secs_f64(), progress.done, is_disturbed);
+    }
+
+    fn advance(&mut self, secs: f64, done: u64, is_disturbed: bool) {
+        let (secs_before, done_before) = std::mem::replace(&mut self.last, (secs, done));
+        if is_disturbed {
+            self.disturbed.0 += secs - secs_before;
+            self.disturbed.1 += done.saturating_sub(done_before);
+        } else {
+            self.pace.note(secs - self.disturbed.0, done.saturating_sub(self.disturbed.1));
+        }
     }
 
     /// Estimated seconds left, if known.
@@ -95,6 +118,19 @@ mod tests {
         let left = pace(slow.clone().chain(fast)).left(134, 234).unwrap();
         assert!((left - 10.0).abs() < 0.1, "{left}");
         assert!(pace(slow).left(14, 234).unwrap() > 300.0, "negative control: before");
+    }
+
+    #[test]
+    fn work_beside_a_picture_does_not_count() {
+        let left = |disturbed: bool| {
+            let mut pace = PhasePace::default();
+            // Ten units a second alone, then one in ten seconds beside a picture.
+            (0..=4).for_each(|second| pace.advance(f64::from(second), 10 * second as u64, false));
+            (0..=6).for_each(|tens| pace.advance(f64::from(4 + 10 * tens), 40 + tens as u64, disturbed));
+            pace.left(46, 100).unwrap()
+        };
+        assert!((left(true) - 5.4).abs() < 1e-6, "{}", left(true));
+        assert!(left(false) > 300.0, "negative control: {}", left(false));
     }
 
     #[test]

@@ -43,7 +43,7 @@ fn with_lights(task: &BakeTask, lights: usize) -> Result<ResolvedBake, SettingsE
 fn all(run: &mut BakeRun) -> Vec<BakeMessage> {
     let mut messages = Vec::new();
     wait_for("the bake", || {
-        messages.extend(run.messages());
+        messages.extend(run.messages(false));
         let ended = |m: &BakeMessage| !matches!(m, BakeMessage::Warning(_) | BakeMessage::Draft(_));
         messages.last().is_some_and(ended).then_some(())
     });
@@ -80,7 +80,7 @@ fn a_bake_that_is_held_waits_and_then_goes_on() {
     run.hold(true);
     drop(lock);
     std::thread::sleep(Duration::from_millis(300));
-    assert!(run.messages().is_empty() && run.door.waited() >= Duration::from_millis(300));
+    assert!(run.messages(false).is_empty() && run.door.waited() >= Duration::from_millis(300));
     run.hold(false);
     assert!(matches!(all(&mut run)[..], [BakeMessage::Done(_)]));
     let folder = tempfile::tempdir().unwrap();
@@ -219,7 +219,7 @@ fn a_bake_waits_for_one_that_was_left() {
     let held = turn.lock().unwrap();
     let mut run = BakeRun::start(task, silent());
     std::thread::sleep(std::time::Duration::from_millis(50));
-    assert!(run.messages().is_empty() && !folder.path().join("a.cuts").exists());
+    assert!(run.messages(false).is_empty() && !folder.path().join("a.cuts").exists());
     drop(held);
     assert!(matches!(&all(&mut run)[..], [BakeMessage::Done(_)]));
 }
