@@ -1,9 +1,13 @@
 //! Color: the sRGB transfer function and primaries at the border, luminance inside. Twin of `shaders/color.wgsl`.
 
+mod blackbody;
 mod primaries;
 pub mod shared_exponent;
 
-pub use primaries::Primaries;
+pub use {
+    blackbody::{KELVINS, blackbody, temperature_of},
+    primaries::Primaries,
+};
 
 use glam::{Mat3, Vec3};
 use std::sync::LazyLock;

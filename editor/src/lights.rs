@@ -29,6 +29,7 @@ pub fn show(
         baked: work.scene.baked_parts(),
         energy: picture.shown().and_then(|shown| shown.local.energy),
         scene,
+        size: work.viewport_size,
         can_bake: work.scene.source.is_some(),
     };
     panel::show(ui, panel, &context, actions);

@@ -63,6 +63,7 @@ pub use light::{
         detail::ImplicitDetail,
         seen::{CoreSight, LeafSight},
     },
+    in_view::lights_view,
     local::{LocalLighting, LocalRig},
     situation::{Changes, Gathering, Relight, Situation},
     solver::{BounceLight, solutions::Solution},

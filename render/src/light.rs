@@ -6,6 +6,7 @@ pub(crate) mod components;
 pub(crate) mod drift;
 pub(crate) mod environment;
 pub(crate) mod implicit;
+pub(crate) mod in_view;
 pub(crate) mod light_counts;
 pub(crate) mod local;
 pub(crate) mod mirrored_map;

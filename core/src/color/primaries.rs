@@ -72,7 +72,7 @@ impl Primaries {
     }
 
     /// The matrix to XYZ. Red, green and blue of 1 give white with a Y of 1.
-    fn to_xyz(self) -> Option<DMat3> {
+    pub(super) fn to_xyz(self) -> Option<DMat3> {
         let directions = DMat3::from_cols(xyz(self.red), xyz(self.green), xyz(self.blue));
         // Phrased so that NaN fails.
         let spans = directions.determinant().abs() > 1e-6 && self.white.y > 1e-3;

@@ -6,6 +6,7 @@ use lapidary_core::{
     camera::Camera,
     lights::{Emission, Light},
 };
+use serde::{Deserialize, Serialize};
 use std::f32::consts::PI;
 
 /// Largest and smallest angle of a cone in degrees, from its axis to its edge.
@@ -64,15 +65,6 @@ impl LightKind {
         }
     }
 
-    /// Unit of the intensity.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Self::Point | Self::Spot => "W/sr",
-            Self::Directional => "W/m²",
-            Self::Rectangle => "W/(m² sr)",
-        }
-    }
-
     /// Default emission of a light `distance` meters from its subject.
     pub fn emission(self, distance: f32) -> Emission {
         match self {
@@ -94,6 +86,75 @@ impl LightKind {
             Emission::Rectangle { width, height } => PI * distance * distance / (width * height),
         };
         short(intensity).clamp(1e-6, MOST_INTENSITY)
+    }
+}
+
+/// Units of intensities. As in glTF files and other renderers, a candela is a watt per steradian and a lux a watt per square meter:
+/// exposure, not the eye's efficacy, decides how bright a picture is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum IntensityUnit {
+    /// Watts: radiant intensity, irradiance or radiance.
+    #[default]
+    Watts,
+    /// Candela, lux or candela per square meter.
+    Candela,
+    /// All that the light sends; lux for parallel light.
+    Lumens,
+    /// Stops: each doubles it, and 0 is one candela.
+    Stops,
+}
+
+impl IntensityUnit {
+    /// All units, each with its name and meaning.
+    pub const CHOICES: [(Self, &str, &str); 4] = [
+        (Self::Watts, "Watts", "Radiant intensity, irradiance or radiance"),
+        (Self::Candela, "Candela", "Candela, lux or candela per square meter, one for each watt, as in glTF"),
+        (Self::Lumens, "Lumens", "All that the light sends; lux for parallel light"),
+        (Self::Stops, "Stops (EV)", "Each stop doubles the light"),
+    ];
+
+    /// The unit for a light.
+    pub fn label(self, light: &Light) -> &'static str {
+        match (self, LightKind::of(light)) {
+            (Self::Watts, LightKind::Point | LightKind::Spot) => "W/sr",
+            (Self::Watts, LightKind::Directional) => "W/m²",
+            (Self::Watts, LightKind::Rectangle) => "W/(m² sr)",
+            (Self::Candela, LightKind::Point | LightKind::Spot) => "cd",
+            (Self::Candela | Self::Lumens, LightKind::Directional) => "lx",
+            (Self::Candela, LightKind::Rectangle) => "cd/m²",
+            (Self::Lumens, _) => "lm",
+            (Self::Stops, _) => "EV",
+        }
+    }
+
+    /// An intensity of a light in this unit.
+    pub fn of(self, intensity: f32, light: &Light) -> f32 {
+        match self {
+            Self::Watts | Self::Candela => intensity,
+            Self::Lumens => intensity * sent(light),
+            Self::Stops => intensity.log2(),
+        }
+    }
+
+    /// The intensity from a number in this unit.
+    pub fn intensity(self, number: f32, light: &Light) -> f32 {
+        match self {
+            Self::Watts | Self::Candela => number,
+            Self::Lumens => number / sent(light),
+            Self::Stops => number.exp2(),
+        }
+    }
+}
+
+/// Light that a light of intensity 1 sends: the solid angle of its rays, for panels with their area and the cosine. The soft edge of
+/// a cone counts in full.
+fn sent(light: &Light) -> f32 {
+    match light.emission {
+        Emission::Point => 4.0 * PI,
+        Emission::Spot { cone_degrees, .. } => 2.0 * PI * (1.0 - cone_degrees.to_radians().cos()),
+        Emission::Rectangle { width, height } => PI * width * height,
+        Emission::Directional { .. } => 1.0,
     }
 }
 
@@ -204,6 +265,24 @@ mod tests {
         assert!(back.intensity.distance(point.intensity) < 1e-5 && back.emission == point.emission);
         let nowhere = Light { target: point.position, ..point };
         assert!(with_kind(&nowhere, LightKind::Spot).validate().is_ok());
+    }
+
+    #[test]
+    fn intensities_go_to_all_units_and_back() {
+        let point = Light { intensity: Vec3::splat(10.0), ..new(LightKind::Point) };
+        assert!((IntensityUnit::Lumens.of(10.0, &point) - 125.66).abs() < 0.01, "4 pi steradians");
+        let half = Emission::Spot { cone_degrees: 90.0, penumbra_degrees: 0.0 };
+        assert!((IntensityUnit::Lumens.of(10.0, &Light { emission: half, ..point.clone() }) - 62.83).abs() < 0.01);
+        let panel = Light { emission: Emission::Rectangle { width: 2.0, height: 0.5 }, ..point.clone() };
+        assert!((IntensityUnit::Lumens.of(10.0, &panel) - 31.416).abs() < 0.01, "Lambert's law: pi times the area");
+        assert_eq!((IntensityUnit::Stops.of(8.0, &point), IntensityUnit::Stops.intensity(-1.0, &point)), (3.0, 0.5));
+        for (unit, ..) in IntensityUnit::CHOICES {
+            for kind in LightKind::ALL {
+                let light = new(kind);
+                let back = unit.intensity(unit.of(3.5, &light), &light);
+                assert!((back - 3.5).abs() < 1e-4 && !unit.label(&light).is_empty(), "{unit:?}, {kind:?}: {back}");
+            }
+        }
     }
 
     #[test]

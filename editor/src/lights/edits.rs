@@ -12,6 +12,7 @@ use crate::{
 use glam::Vec3;
 use lapidary_core::{
     bounds::Bounds,
+    camera::Camera,
     lights::{Light, LightsFile, MAX_LIGHTS},
 };
 use lapidary_render::Baked;
@@ -21,6 +22,8 @@ use std::path::Path;
 const NEW_AT: Vec3 = Vec3::new(0.25, 0.45, 0.25);
 /// Position of a new light, as a share of the distance to a wall that is nearer than its usual position.
 const BEFORE_A_WALL: f32 = 0.8;
+/// A point before the surface that a new light lights, as a share of the way to the eye.
+const OFF_SURFACE: f32 = 0.02;
 /// Offset of a copy from the original, as a share of the scene's diagonal.
 const COPY_BESIDE: f32 = 0.03;
 /// Extent framed around a light without a target, in diagonals of the scene.
@@ -54,7 +57,8 @@ impl LightsPanel {
 
     fn add_light(&mut self, work: &mut Workspace, kind: LightKind) {
         let mut lights = work.document.lights.clone();
-        let light = new_light(kind, &lights, &work.document.camera, place_for_light(work));
+        let camera = lit_view(work);
+        let light = new_light(kind, &lights, &camera, place_for_light(work, &camera));
         lights.push(light);
         let last = lights.len() - 1;
         self.set_lights(work, lights, "Add light", Some(last));
@@ -135,15 +139,33 @@ fn save_lights(work: &mut Workspace, path: &Path) {
     }
 }
 
-/// Position of a new light: beside the view, and on the eye's side of any wall.
-fn place_for_light(work: &Workspace) -> Vec3 {
-    let camera = &work.document.camera;
-    let distance = camera.eye.distance(camera.target).min(work.scene_size());
-    let place = camera.target + distance * (camera.world_from_view() * NEW_AT);
-    let (direction, reach) = ((place - camera.eye).normalize_or(Vec3::Y), place.distance(camera.eye));
+/// The view in which a new light lights what the camera sees: it looks at the surface in the middle of the picture, or at the target
+/// where there is none.
+fn lit_view(work: &Workspace) -> Camera {
+    let camera = work.document.camera.clone();
+    let reach = camera.eye.distance(camera.target);
+    let forward = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
     let intersector = work.scene.rendered().and_then(Baked::intersector_if_ready);
-    let wall = intersector.and_then(|i| i.closest_hit(camera.eye, direction)).map(|hit| hit.distance);
-    camera.eye + direction * wall.map_or(reach, |wall| reach.min(BEFORE_A_WALL * wall))
+    let seen = intersector.and_then(|i| i.closest_hit(camera.eye, forward)).map(|hit| hit.distance);
+    // A backdrop far behind the target is not what the picture is about.
+    let distance = seen.filter(|distance| *distance < 3.0 * reach).unwrap_or(reach);
+    Camera { target: camera.eye + forward * distance, ..camera }
+}
+
+/// Position of a new light for a view: beside it, on the eye's side of any wall, and below a ceiling over what it lights.
+fn place_for_light(work: &Workspace, camera: &Camera) -> Vec3 {
+    let distance = camera.eye.distance(camera.target).min(work.scene_size());
+    let beside = distance * (camera.world_from_view() * NEW_AT);
+    let intersector = work.scene.rendered().and_then(Baked::intersector_if_ready);
+    let before_a_wall = |from: Vec3, to: Vec3| {
+        let (direction, reach) = ((to - from).normalize_or(Vec3::Y), to.distance(from));
+        let wall = intersector.and_then(|i| i.closest_hit(from, direction)).map(|hit| hit.distance);
+        from + direction * wall.map_or(reach, |wall| reach.min(BEFORE_A_WALL * wall))
+    };
+    let place = before_a_wall(camera.eye, camera.target + beside);
+    // Off the surface that it lights.
+    let lit = camera.target.lerp(camera.eye, OFF_SURFACE);
+    before_a_wall(lit, place)
 }
 
 /// Bounds of the selected light and its target.

@@ -10,7 +10,12 @@ mod tests;
 pub use components::environment_hint;
 pub use list::add_menu;
 
-use crate::{actions::Action, document::Document, widgets::section};
+use crate::{
+    actions::Action,
+    document::{Document, lights::IntensityUnit},
+    look::view_of,
+    widgets::section,
+};
 use egui::{RichText, Ui};
 use lapidary_core::{dataset::BakeParts, lights::Light, transport::BounceEnergy};
 use lapidary_render::Baked;
@@ -29,6 +34,8 @@ pub struct LightsContext<'a> {
     pub energy: Option<BounceEnergy>,
     /// The scene in which lights may be buried.
     pub scene: Option<&'a Baked>,
+    /// Size of the picture in pixels.
+    pub size: [u32; 2],
     /// Whether there is a scene to bake.
     pub can_bake: bool,
     /// The suns of the environment's map, whether or not they are switched on.
@@ -41,6 +48,8 @@ pub struct LightsPanel {
     pub aiming: bool,
     /// Whether lights are drawn in the viewport.
     pub in_viewport: bool,
+    /// Unit of intensities.
+    pub unit: IntensityUnit,
     /// Whether clusters of bounced light are drawn there.
     pub shows_clusters: bool,
     buried: buried::Buried,
@@ -50,7 +59,8 @@ pub struct LightsPanel {
 impl Default for LightsPanel {
     fn default() -> Self {
         let buried = buried::Buried::default();
-        Self { aiming: false, in_viewport: true, shows_clusters: false, buried, renaming: None }
+        let unit = IntensityUnit::default();
+        Self { aiming: false, in_viewport: true, unit, shows_clusters: false, buried, renaming: None }
     }
 }
 
@@ -66,10 +76,15 @@ pub fn show(ui: &mut Ui, state: &mut LightsPanel, context: &LightsContext, actio
     section(ui, "In the picture", true, |ui| components::show(ui, state, context, actions));
     section(ui, "Lights", true, |ui| list::show(ui, state, context, actions));
     if let Some((index, light)) = context.selected.and_then(|i| Some((i, context.document.lights.get(i)?))) {
+        let view = view_of(context.document, context.size);
         let is_buried = state.buried.contains(context.scene, index, light);
+        let is_useless = !is_buried && light.shines() && state.buried.lights_nothing(context.scene, light, &view);
         section(ui, "Selected light", true, |ui| {
             if is_buried {
                 ui.label(RichText::new(buried::NOTICE).color(ui.visuals().warn_fg_color));
+            }
+            if is_useless {
+                ui.label(RichText::new(buried::LIGHTS_NOTHING).color(ui.visuals().warn_fg_color));
             }
             properties::show(ui, state, index, light, &context.document.camera, actions);
         });

@@ -5,7 +5,10 @@ use crate::{
     actions::Action,
     document::{
         Edit,
-        lights::{ANGLE_DEGREES, CONE_DEGREES, LightKind, MOST_INTENSITY, SIDES, color_and_intensity, with_kind},
+        lights::{
+            ANGLE_DEGREES, CONE_DEGREES, IntensityUnit, LightKind, MOST_INTENSITY, SIDES, color_and_intensity,
+            with_kind,
+        },
     },
     widgets::{
         Edited, Number, color_row, edit_row,
@@ -17,6 +20,7 @@ use egui::{Button, Ui};
 use glam::Vec3;
 use lapidary_core::{
     camera::Camera,
+    color::{KELVINS, blackbody, temperature_of},
     lights::{Emission, Light},
 };
 
@@ -29,9 +33,11 @@ pub fn show(
     camera: &Camera,
     actions: &mut Vec<Action>,
 ) {
-    let mut rows = Rows { ui, index, light, actions };
+    let mut rows = Rows { ui, index, light, unit: state.unit, actions };
     rows.kind();
     rows.color();
+    // The unit is a preference of the window, without undo.
+    let _ = combo_row(rows.ui, "Unit", "Unit of the intensity.", &mut state.unit, &IntensityUnit::CHOICES);
     rows.shape();
     rows.place();
     tools(ui, state, index, light, camera, actions);
@@ -41,6 +47,7 @@ struct Rows<'a> {
     ui: &'a mut Ui,
     index: usize,
     light: &'a Light,
+    unit: IntensityUnit,
     actions: &'a mut Vec<Action>,
 }
 
@@ -81,18 +88,57 @@ impl Rows<'_> {
             }
             edited
         });
-        let kind = LightKind::of(self.light);
-        let help = format!("In {}, of the brightest color channel.", kind.unit());
+        self.temperature(color, intensity);
+        self.intensity(color, intensity);
+    }
+
+    /// The color by the temperature of a hot body.
+    fn temperature(&mut self, color: Vec3, intensity: f32) {
+        let [coldest, hottest] = KELVINS.map(f64::from);
+        let help = "Color of a hot body: 2,700 K for bulbs, 6,500 K for daylight. Grayed out for other colors.";
+        let found = temperature_of(color);
+        let rows = Decades { unit: " K", ..Decades::count("Temperature", help, coldest..=hottest, 6500.0) };
+        self.row("Light color", |ui, light| {
+            let mut kelvin = found.unwrap_or(6500.0).round();
+            if found.is_none() {
+                ui.visuals_mut().override_text_color = Some(ui.visuals().weak_text_color());
+            }
+            let edited = decades_row(ui, &rows, &mut kelvin);
+            ui.visuals_mut().override_text_color = None;
+            if edited.changed {
+                light.intensity = intensity * blackbody(kelvin);
+            }
+            edited
+        });
+    }
+
+    fn intensity(&mut self, color: Vec3, intensity: f32) {
+        let (unit, of) = (self.unit, self.light);
+        let help = format!("In {}, of the brightest color channel.", unit.label(of));
+        let shown = unit.of(intensity, of);
+        if unit == IntensityUnit::Stops {
+            let stops = Number::new("Intensity", &help, -10.0..=20.0, shown).entry(-30.0..=30.0).unit(" EV", 2);
+            self.row("Light intensity", |ui, light| {
+                let mut value = shown.max(-30.0);
+                let edited = slider_row(ui, &stops, &mut value);
+                if edited.changed {
+                    light.intensity = unit.intensity(value, of) * color;
+                }
+                edited
+            });
+            return;
+        }
+        let most = f64::from(unit.of(MOST_INTENSITY, of));
         let decades = Decades {
             decimals: 2,
-            note: Some(kind.unit().into()),
-            ..Decades::count("Intensity", &help, 0.0..=f64::from(MOST_INTENSITY), f64::from(intensity))
+            note: Some(unit.label(of).into()),
+            ..Decades::count("Intensity", &help, 0.0..=most, f64::from(shown))
         };
         self.row("Light intensity", |ui, light| {
-            let mut value = intensity;
+            let mut value = shown;
             let edited = decades_row(ui, &decades, &mut value);
             if edited.changed {
-                light.intensity = value * color;
+                light.intensity = unit.intensity(value, of).min(MOST_INTENSITY) * color;
             }
             edited
         });

@@ -38,8 +38,17 @@ fn panel(selected: Option<usize>, bounces: Option<BakeParts>) -> Harness<'static
     let show = |ui: &mut Ui, probe: &mut Probe| {
         let Probe { document, selected, bounces, baked, energy, scene, panel, actions } = probe;
         let (bounces, baked, energy, scene) = (*bounces, *baked, *energy, scene.as_ref());
-        let context =
-            LightsContext { document, selected: *selected, bounces, baked, energy, scene, can_bake: true, suns: &[] };
+        let context = LightsContext {
+            document,
+            selected: *selected,
+            bounces,
+            baked,
+            energy,
+            scene,
+            size: [160, 120],
+            can_bake: true,
+            suns: &[],
+        };
         show(ui, panel, &context, actions);
     };
     let probe = Probe {
@@ -100,7 +109,7 @@ fn every_kind_fits_and_has_its_own_numbers() {
         assert_eq!(shows(&panel, "Cone"), kind == LightKind::Spot, "{kind:?}");
         assert_eq!(shows(&panel, "Width"), kind == LightKind::Rectangle, "{kind:?}");
         assert_eq!(shows(&panel, "Target X"), kind != LightKind::Point, "{kind:?}");
-        assert!(shows(&panel, kind.unit()) && shows(&panel, "Position Y"), "{kind:?}");
+        assert!(shows(&panel, IntensityUnit::Watts.label(&light(kind))) && shows(&panel, "Position Y"), "{kind:?}");
     }
     assert!(!shows(&panel(None, None), "Intensity"), "negative control: nothing is selected");
 }
