@@ -31,8 +31,9 @@ use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
 use lapidary_core::{dataset::BakeParts, lights::Light, material::Material};
 use lapidary_render::{Baked, Illumination, Tier, ViewMode};
 
-/// Least height of the comparison's strip in points: two rows, the first of which may be broken.
-const STRIP: f32 = 104.0;
+/// Least height of the comparison's strip in points, without and with its figures: two rows and four, the first of which may be
+/// broken.
+const STRIP: [(&str, f32); 2] = [("comparison", 84.0), ("comparison with figures", 160.0)];
 
 /// Layout of a frame.
 pub struct Laid {
@@ -60,8 +61,9 @@ pub fn show(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> 
     };
     let is_scrubbing = !state.work.tabs.panels_hidden && show_timeline(ui, state, actions);
     if state.comparison.panel.open {
-        // Its height does not depend on its contents: another size of the viewport would restart the reference.
-        let strip = Panel::bottom("comparison").resizable(true).default_size(STRIP).size_range(STRIP..=3.0 * STRIP);
+        // Its height does not follow its contents: another size of the viewport would restart the reference.
+        let (id, height) = STRIP[usize::from(state.comparison.panel.advanced)];
+        let strip = Panel::bottom(id).resizable(true).default_size(height).size_range(height..=3.0 * height);
         strip.show(ui, |ui| scrolled(ui, |ui| show_comparison(ui, state, actions)));
     }
     let centre = CentralPanel::default().frame(Frame::NONE);

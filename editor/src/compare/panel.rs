@@ -27,6 +27,8 @@ use std::path::{Path, PathBuf};
 const SCALES: [(u32, &str); 4] = [(1, "Full size"), (2, "1/2 size"), (4, "1/4 size"), (8, "1/8 size")];
 /// Most samples per pixel of a view in two looks.
 const SAMPLES_OF_LOOKS: u32 = 4;
+/// Samples per pixel of pictures through an open lens.
+const SAMPLES_OF_LENS: u32 = 16;
 /// Grid of regions in pixels, so that coarse references have pixels in them.
 const GRID: u32 = 4;
 /// Width in points of the button that pauses and resumes tracing.
@@ -131,7 +133,9 @@ impl ComparisonPanel {
             KindChoice::Look => ReferenceKind::Look(self.look.as_ref()?.1.clone()?),
         };
         match kind {
-            ReferenceKind::Samples | ReferenceKind::Paths { .. } => look.view.aa = 1,
+            ReferenceKind::Samples | ReferenceKind::Paths { .. } => {
+                look.view.aa = look.view.camera.lens.least_samples().min(SAMPLES_OF_LENS);
+            }
             // Smooth edges, soon: the live picture takes the cores, too.
             ReferenceKind::Look(_) => look.view.aa = look.view.aa.min(SAMPLES_OF_LOOKS),
             ReferenceKind::File(_) => {}

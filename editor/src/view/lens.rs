@@ -58,15 +58,18 @@ fn focal_length(ui: &mut Ui, camera: &mut Camera) -> Edited {
 fn aperture(ui: &mut Ui, camera: &mut Camera, context: &ViewContext, actions: &mut Vec<Action>) -> Edited {
     let help = "Aperture: focal length over its diameter. Small numbers blur what is out of focus; off, all is sharp. \
                 A picture with an open lens takes 64 samples or more.";
-    let f_number = Decades { decimals: 2, ..Decades::count("F-number", help, 0.01..=128.0, OPENED.into()) };
+    let sharp = Some("all is sharp".into());
+    let f_number =
+        Decades { decimals: 2, note: sharp, ..Decades::count("F-number", help, 0.01..=128.0, OPENED.into()) };
     let opened = limit_row(ui, &f_number, &mut camera.lens.f_number);
     if camera.lens.f_number.is_none() {
         return opened;
     }
     let help =
         "Distance from the camera to the plane of focus, in meters; off, the point that the camera orbits is in focus.";
-    let now = camera.focus_distance().into();
-    let focus = Decades { unit: " m", decimals: 3, ..Decades::count("Focus", help, 1e-3..=1e5, now) };
+    let now = f64::from(camera.focus_distance());
+    let target = Some(format!("on the target, {now:.2} m"));
+    let focus = Decades { unit: " m", decimals: 3, note: target, ..Decades::count("Focus", help, 1e-3..=1e5, now) };
     let focused = limit_row(ui, &focus, &mut camera.lens.focus);
     let by_click = ui.add(Button::new("Focus by click").selected(context.focusing));
     if by_click.on_hover_text("Click in the picture what is to be sharp").clicked() {

@@ -89,7 +89,7 @@ pub fn decades_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut T) ->
     edited
 }
 
-/// One row with a check box that sets a limit, and the limit. Ticking it sets the default.
+/// One row with a check box that sets a number, and the number; its note says what holds without one. Ticking it sets the default.
 pub fn limit_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut Option<T>) -> Edited {
     row(ui, decades.label, decades.help, false, |ui, name, _| {
         let mut on = value.is_some();
@@ -98,7 +98,7 @@ pub fn limit_row<T: Numeric>(ui: &mut Ui, decades: &Decades, value: &mut Option<
             *value = on.then(|| T::from_f64(decades.default));
         }
         let Some(limit) = value else {
-            ui.weak("no limit");
+            ui.weak(decades.note.as_deref().unwrap_or("no limit"));
             return Edited::at_once(ticked);
         };
         ui.add_space(slider_width(ui));

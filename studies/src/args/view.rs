@@ -40,6 +40,9 @@ pub struct ViewArgs {
     material: MaterialArgs,
     #[command(flatten)]
     camera: CameraArgs,
+    // Not within the camera's: a group of options with another in it has no members for conflicts.
+    #[command(flatten)]
+    lens: LensArgs,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -101,8 +104,7 @@ struct CameraArgs {
     /// Vertical field of view in degrees, 1 to 170 [default: the camera's; 40 with --eye and --target]
     #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
     fov: Option<f32>,
-    #[command(flatten)]
-    lens: LensArgs,
+
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = values::size)]
     size: [u32; 2],
@@ -205,7 +207,7 @@ impl ViewArgs {
         let light = self.light.of_bake(light, dataset.settings.mode, console);
         let local = local.resolve(lights, &dataset, &self.file)?;
         self.material.apply(&mut dataset.scene, console)?;
-        let camera = self.camera.resolve(&dataset.scene, &dataset.shot_views())?;
+        let camera = self.lens.applied(self.camera.resolve(&dataset.scene, &dataset.shot_views())?);
         let view = View {
             aa: self.camera.aa.unwrap_or(1),
             background: self.camera.background.into(),
@@ -368,7 +370,7 @@ impl CameraArgs {
         if camera.eye == camera.target {
             bail!("--eye and --target are the same point; move one of them");
         }
-        Ok(self.lens.applied(camera))
+        Ok(camera)
     }
 
     fn named_camera<'a>(&self, scene: &'a Scene, shots: &'a [Camera]) -> Result<Option<&'a Camera>> {
@@ -391,7 +393,6 @@ mod tests {
         eye: None,
         target: None,
         fov: None,
-        lens: LensArgs { f_number: None, focus: None, sensor: None, shift: None },
         size: [4, 4],
         aa: None,
         background: BackgroundOption::Environment,

@@ -26,10 +26,11 @@ use std::path::PathBuf;
 use suite::SuiteArgs;
 
 /// Options for the picture of a dataset, by name or by group.
-const PICTURE: [&str; 8] = [
+const PICTURE: [&str; 9] = [
     "EnvironmentArgs",
     "LocalLightArgs",
     "CameraArgs",
+    "LensArgs",
     "roughness",
     "base_color",
     "metalness",
@@ -157,6 +158,7 @@ mod tests {
             "--against",
             "--against old a.cuts",
             "--against old --size 8x6",
+            "--against old --f-number 2",
             "--against old --env none",
             "--against old --frames 3",
             "--against old --edits m",

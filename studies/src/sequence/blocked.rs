@@ -60,7 +60,7 @@ mod tests {
             blocked_frames(&plan(&look, &settings).unwrap(), &baked)
         };
         assert_eq!(orbit(0.5), [0; 0], "negative control");
-        let outside = orbit(9.0);
+        let outside = orbit(4.0);
         assert_eq!(outside, (1..=8).collect::<Vec<_>>());
         let words = blocked_words(&outside, 8).unwrap();
         assert!(words.contains("8 of 8") && words.contains("between frames 1 and 8"), "{words}");

@@ -233,6 +233,8 @@ mod tests {
             "eye=0,0,0..9,9,3",
             "target=0,0,0..9,9,4",
             "fov=1..22",
+            "f-number=1..2.3",
+            "focus=1..2.4",
         ];
         let declared = Parameter::all().filter_map(|parameter| match (parameter, parameter.domain()) {
             (Parameter::Brdf(_), Domain::Number(low, high)) => {

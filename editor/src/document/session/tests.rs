@@ -284,7 +284,8 @@ fn locks_and_pivots_survive_the_disk_and_follow_their_objects() {
     let (read, warnings) = loaded.into_document(Some(&project.dataset.scene));
     assert_eq!((read.handling_of(0), warnings.len()), (document.handling_of(1), 0), "{warnings:?}");
     assert_eq!(read.handling_of(1), Handling::default());
-    let refused = project.changed(|json| json["handling"][0]["pivot"]["hinge"] = json!([0, 0, 3]));
+    let bad = json!([{ "name": "pot", "locked": true, "pivot": { "point": [0, 0, 0], "hinge": [0, 0, 3] } }]);
+    let refused = project.changed(|json| json["handling"] = bad);
     let (read, warnings) = refused.into_document(Some(&project.dataset.scene));
     assert!(read.handling_of(0) == Handling { locked: true, pivot: None }, "{read:?}");
     assert!(warnings[0].contains("\"pot\"") && warnings[0].contains("turns about its center"), "{warnings:?}");
