@@ -61,12 +61,20 @@ impl EditorState {
 
     /// Watches the files in use, and reloads changed ones.
     pub(super) fn collect_changed_files(&mut self) {
-        let files: Vec<PathBuf> =
-            files_in_use(&self.work.document).into_iter().chain(shader_source().files()).collect();
+        let files: Vec<PathBuf> = files_in_use(&self.work.document)
+            .into_iter()
+            .chain(self.files_of_scene())
+            .chain(shader_source().files())
+            .collect();
         self.watcher.watch(files);
         for path in self.watcher.changed() {
             self.file_changed(path);
         }
+    }
+
+    /// The files that the scene file names.
+    fn files_of_scene(&self) -> Vec<PathBuf> {
+        self.work.scene.source.as_ref().map_or_else(Vec::new, |source| source.report.files.clone())
     }
 
     /// Reloads a file of the document, wherever it is used.
@@ -80,28 +88,30 @@ impl EditorState {
         if document.environment.file().is_some_and(|map| file_and_layer(map).0 == path) {
             self.environments.reload(&path);
         }
-        let source = if document.scene.as_ref() == Some(&path) {
+        let is_of_scene = document.scene.as_ref() == Some(&path) || self.files_of_scene().contains(&path);
+        if is_brdf {
+            self.loader.load(Topic::Reload(path.clone()), Source::Brdf(path));
+        } else if !self.reload_pictures(&path)
+            && let Some(path) = self.work.document.scene.clone().filter(|_| is_of_scene)
+        {
             let allow_outside = self.work.preferences.outside.allow(&path);
-            let scene = document.scene_in_file.clone();
-            Source::Scene { path: path.clone(), options: ImportOptions { allow_outside, scene, ..Default::default() } }
-        } else if is_brdf {
-            Source::Brdf(path.clone())
-        } else {
-            self.reload_pictures(&path);
-            return;
-        };
-        self.loader.load(Topic::Reload(path), source);
+            let options =
+                ImportOptions { allow_outside, scene: self.work.document.scene_in_file.clone(), ..Default::default() };
+            self.loader.load(Topic::Reload(path.clone()), Source::Scene { path, options });
+        }
     }
 
-    /// Reloads the textures of a file, each with its layer.
-    fn reload_pictures(&mut self, file: &Path) {
+    /// Reloads the textures of a file, each with its layer. Returns whether there are any.
+    fn reload_pictures(&mut self, file: &Path) -> bool {
         let document = &self.work.document;
         let named = document.textures.iter().filter_map(|entry| document.file_of(entry));
         let named: BTreeSet<PathBuf> = named.filter(|path| file_and_layer(path).0 == file).collect();
         let may_be_read = |path: &PathBuf| may_be_read(path, document, &self.work.preferences.outside);
+        let has_any = !named.is_empty();
         for path in named.into_iter().filter(may_be_read) {
             self.loader.load(Topic::Reload(path.clone()), Source::Texture(path));
         }
+        has_any
     }
 
     /// Takes a reloaded file. If reading failed, the earlier contents stay.

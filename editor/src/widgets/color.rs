@@ -1,8 +1,11 @@
-//! A row that edits a scene-linear color, by egui's picker or as sRGB hex.
+//! A row that edits a scene-linear color, by a picker or as sRGB hex.
 
-use super::{Edited, number_size, outline, row, slider_width};
+pub(super) mod eyedropper;
+mod picker;
+
+use super::{Edited, number_size, row, slider_width};
 use crate::document::lights::color_and_intensity;
-use egui::{Align2, Color32, FontSelection, Response, TextEdit, TextStyle, Ui};
+use egui::{Align2, Color32, FontSelection, TextEdit, TextStyle, Ui, vec2};
 use glam::Vec3;
 use lapidary_core::color::{codes_from_linear, linear_from_codes};
 
@@ -14,26 +17,17 @@ pub fn color_row(ui: &mut Ui, label: &str, help: &str, color: &mut Vec3, default
             *color = default;
             return Edited::at_once(true);
         }
-        let mut rgb = color.to_array();
-        let swatch = name.of(swatch(ui, &mut rgb)).on_hover_text(help);
-        if swatch.changed() {
-            *color = Vec3::from_array(rgb);
-        }
+        // As wide as a slider.
+        let size = vec2(slider_width(ui), ui.spacing().interact_size.y);
+        let swatch = name.of(picker::picker_button(ui, color, size)).on_hover_text(help);
         // The picker reports changes only; its gesture ends when the pointer is released, anywhere.
         let picked = Edited::until(ui, swatch.id, swatch.changed(), !ui.input(|i| i.pointer.any_down()));
-        picked | hex_entry(ui, &name.full, color)
+        let edited = picked | hex_entry(ui, &name.full, color);
+        if edited.ended {
+            picker::remember(ui, *color);
+        }
+        edited
     })
-}
-
-/// The button that opens the picker, with an outline of its own: the toolkit's vanishes on a white button.
-fn swatch(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
-    ui.scope(|ui| {
-        ui.visuals_mut().widgets.inactive.bg_fill = outline(ui).color;
-        // As wide as a slider.
-        ui.spacing_mut().interact_size.x = slider_width(ui);
-        ui.color_edit_button_rgb(rgb)
-    })
-    .inner
 }
 
 /// The color as sRGB hex; typed text counts when the field is left, if it is a color.

@@ -172,3 +172,53 @@ fn unticked_boxes_and_white_swatches_are_set_off_from_the_panel() {
     assert_eq!([outlined(ticked), outlined(color)], [1, 1]);
     assert_eq!(outlined(|ui| _ = ui.checkbox(&mut false, "On")), 0, "negative control");
 }
+
+/// A row with a color, whose picker is open.
+fn picking(color: Vec3) -> Harness<'static, Probe> {
+    let show = |ui: &mut Ui, probe: &mut Probe| {
+        let edited = color_row(ui, "Tint", "A color.", &mut probe.color, Vec3::ONE);
+        probe.note(edited);
+    };
+    let builder = Harness::builder().with_size(vec2(460.0, 520.0));
+    let mut harness = builder.build_ui_state(show, Probe { color, ..Probe::default() });
+    harness.run();
+    harness.get_by_label("Tint").click();
+    harness.run();
+    harness
+}
+
+#[test]
+fn hue_saturation_and_value_are_those_of_the_color_as_displayed() {
+    let mut harness = picking(linear_from_hex("#804020").unwrap());
+    let number = |harness: &Harness<Probe>, name| harness.get_by_label(name).value().unwrap();
+    assert_eq!(["Hue", "Saturation", "Value"].map(|name| number(&harness, name)), ["20°", "75 %", "50.2 %"]);
+    harness.get_by_label("Hue").click();
+    harness.run();
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    harness.get_by_label("Hue").type_text("2*70");
+    harness.key_press(egui::Key::Enter);
+    harness.run();
+    assert_eq!(hex_from_linear(harness.state().color), "#208040");
+}
+
+#[test]
+fn the_eyedropper_takes_a_color_of_the_window_and_colors_used_before_come_back() {
+    let mut harness = picking(Vec3::X);
+    harness.get_by_label("Eyedropper").click();
+    harness.run();
+    let at = egui::pos2(300.0, 400.0);
+    harness.event(egui::Event::PointerMoved(at));
+    harness.run();
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    harness.run();
+    let image = egui::ColorImage::filled([460, 520], egui::Color32::from_rgb(0, 0, 255));
+    super::color::eyedropper::tests::answer(&harness.ctx, &image, at);
+    harness.run();
+    assert_eq!(harness.state().color, Vec3::Z);
+    harness.get_by_label("Tint").click();
+    harness.run();
+    assert!(harness.query_by_label("Recent #0000ff").is_some(), "it was chosen");
+    assert!(harness.query_by_label("Recent #ff0000").is_none(), "negative control: it was there before");
+}

@@ -4,12 +4,14 @@
 use super::Workspace;
 use crate::{
     document::{
+        Edit,
         fitting::{fit_materials, take_textures},
+        looks::{LightOfLook, LookState, MaterialsOfLook},
         parts::{OwnMaterials, Renumbering},
     },
     jobs::{Imported, kept_bakes::kept_in, opening::bake_beside},
 };
-use lapidary_core::{animation::AnimationError, dataset::Dataset};
+use lapidary_core::{animation::AnimationError, dataset::Dataset, scene::Scene};
 use std::path::Path;
 
 impl Workspace {
@@ -48,11 +50,41 @@ impl Workspace {
         match self.scene.source.as_mut().filter(|known| known.hash == source.hash) {
             // Trials of its mesh stay known.
             Some(known) => {
-                (known.scene, known.animation, known.report) = (source.scene, source.animation, source.report);
+                let before = std::mem::replace(&mut known.scene, source.scene.clone());
+                (known.animation, known.report) = (source.animation, source.report);
+                self.take_appearance(path, &before, &source.scene);
             }
             None => self.take_changed(path, source),
         }
         self.drop_lost_clip();
+    }
+
+    /// Takes the materials and lights that differ between two versions of the scene file, as one step of undo. Edits of the others
+    /// stay.
+    fn take_appearance(&mut self, path: &Path, before: &Scene, now: &Scene) {
+        let places = take_textures(&mut self.document, &now.textures);
+        let mut of_file = MaterialsOfLook::of(&self.document);
+        let mut changed = 0;
+        let versions = before.materials.iter().zip(&now.materials);
+        for (own, (_, now)) in of_file.materials.iter_mut().zip(versions).filter(|(_, (before, now))| before != now) {
+            *own = now.clone();
+            let pictures = own.maps.slots_mut().filter(|slot| slot.image().is_some());
+            pictures.for_each(|slot| slot.texture = places.get(slot.texture as usize).copied().unwrap_or(slot.texture));
+            changed += 1;
+        }
+        let lights = (before.lights != now.lights).then(|| now.lights.clone());
+        let light =
+            lights.as_ref().map(|lights| LightOfLook { lights: lights.clone(), ..LightOfLook::of(&self.document) });
+        let state = LookState { materials: Some(of_file), light, camera: None, view: None };
+        let edit = Edit::Look(Box::new(state));
+        if edit.changes(&self.document) {
+            self.do_step(edit, "Changed scene file");
+            let lights = if lights.is_some() { " and its lights" } else { "" };
+            let text = format!(
+                "The scene file has changed: {changed} of its materials{lights} were taken (Undo takes that back)"
+            );
+            self.messages.note(format!("{text} ({})", path.display()));
+        }
     }
 
     fn take_changed(&mut self, path: &Path, source: Imported) {

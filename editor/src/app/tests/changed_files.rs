@@ -1,7 +1,7 @@
 //! Environments whose files change on disk.
 
 use super::*;
-use crate::actions::EnvironmentAction;
+use crate::{actions::EnvironmentAction, document::Edit};
 use glam::Vec3;
 use lapidary_core::image::Image;
 
@@ -55,4 +55,37 @@ fn pictures_of_a_changed_map_and_its_layers_are_made_again() {
     }
     window.wait("the new pictures", |s| specs[..2].iter().all(|spec| s.environments.pictures.contains_key(spec)));
     assert!(!window.0.state().environments.pictures.contains_key(&specs[2]), "negative control: of another file");
+}
+
+#[test]
+fn materials_that_a_changed_file_of_the_scene_names_are_taken_as_a_step_of_undo_and_edits_of_others_stay() {
+    let place = Place::new();
+    let library = place.path("paint.mtl");
+    let paint =
+        |red: &str| std::fs::write(&library, format!("newmtl wall\nKd {red} 0 0\nnewmtl door\nKd 0 0 1\n")).unwrap();
+    paint("1");
+    let quad =
+        "mtllib paint.mtl\no a\nv 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nusemtl wall\nf 1 3 2\nusemtl door\nf 2 3 4\n";
+    std::fs::write(place.path("painted.obj"), quad).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("painted.obj"));
+    let color = |window: &Window, name: &str| {
+        let materials = &window.0.state().work.document.materials;
+        materials.iter().find(|material| material.name == name).unwrap().parameters.color("base_color")
+    };
+    assert!(color(&window, "wall").x > 0.5);
+    let index = window.0.state().work.document.materials.iter().position(|m| m.name == "door").unwrap();
+    let mut door = window.0.state().work.document.materials[index].clone();
+    door.parameters.set("base_color", Vec3::Y);
+    window.perform(Action::Edit { edit: Edit::Material { index, material: door.into() }, label: "Base color" });
+    paint("0.25");
+    window.0.state_mut().file_changed(library.clone());
+    window.wait("the new color", |s| s.loader.is_idle() && s.work.messages.any_contains("were taken"));
+    assert!(color(&window, "wall").x < 0.4 && color(&window, "door") == Vec3::Y, "{}", color(&window, "wall"));
+    window.perform(Action::Undo);
+    assert!(color(&window, "wall").x > 0.5, "one step back");
+    std::fs::write(&library, "newmtl wall\nKd 0.25 0 0\nnewmtl door\nKd 0 0 1\n# a remark\n").unwrap();
+    window.0.state_mut().file_changed(library);
+    window.wait("the attempt", |s| s.loader.is_idle());
+    assert!(color(&window, "wall").x > 0.5, "negative control: the file says what it said before");
 }
