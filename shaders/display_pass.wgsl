@@ -13,6 +13,8 @@ struct Display {
     lets_light_through: u32,
     // Samples per pixel at rest.
     samples: u32,
+    // How much darker the corners are, 0 to 1.
+    vignette: f32,
 }
 
 @group(0) @binding(0) var<uniform> display: Display;
@@ -47,8 +49,9 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     total += smoothed(pixel);
     total += mean(textureLoad(direct_value, pixel, 0), textureLoad(direct_work, pixel, 0));
     total += mean(textureLoad(added_value, pixel, 0), textureLoad(added_work, pixel, 0));
+    let light = vignette(position.xy);
     if display.transparent == 0u {
-        return vec4(with_lines(total.xyz, total.w), 1.0);
+        return vec4(with_lines(light * total.xyz, total.w), 1.0);
     }
     let through = select(0.0, total.w, display.lets_light_through != 0u);
     let coverage = max(f32(covered_count(work)) / f32(max(sample_count(work), 1u)) - through, 0.0);
@@ -57,7 +60,22 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     }
     // The background must not show where the picture has no coverage, so the mean is over covered samples.
     let lines = select(total.w, 0.0, display.lets_light_through != 0u);
-    return vec4(with_lines((total.xyz - through) / coverage, lines / coverage), coverage);
+    return vec4(with_lines(light * (total.xyz - through) / coverage, lines / coverage), coverage);
+}
+
+fn shows_light() -> bool {
+    return display.view_mode == MODE_SHADED || display.view_mode == MODE_BASIS_LEVEL || display.view_mode == MODE_GLOSS;
+}
+
+// Share of the light at a place of the picture, in pixels. Twin of `vignetted` in render/src/post.rs.
+fn vignette(place: vec2<f32>) -> f32 {
+    if display.vignette == 0.0 || !shows_light() {
+        return 1.0;
+    }
+    let half = 0.5 * vec2<f32>(textureDimensions(environment_value));
+    let off = place - half;
+    let cosine_sq = 1.0 / (1.0 + display.vignette * dot(off, off) / dot(half, half));
+    return cosine_sq * cosine_sq;
 }
 
 const LEAST_WIDTH: f32 = 0.01;
@@ -113,7 +131,7 @@ fn display_value(value: vec3<f32>) -> vec3<f32> {
     if any((bitcast<vec3<u32>>(value) & vec3(0x7fffffffu)) > vec3(0x7f800000u)) {
         return vec3(1.0, 0.0, 1.0);
     }
-    if display.view_mode == MODE_SHADED || display.view_mode == MODE_BASIS_LEVEL || display.view_mode == MODE_GLOSS {
+    if shows_light() {
         return srgb_from_linear(tone_map(display.tone_map, value * display.exposure));
     }
     if display.view_mode == MODE_ALBEDO {

@@ -34,6 +34,7 @@ pub fn show(ui: &mut Ui, context: &ViewContext, actions: &mut Vec<Action>) {
     let view = &context.document.view;
     section(ui, "Display", true, |ui| {
         display(ui, view, actions);
+        vignette(ui, view, actions);
         background(ui, view, actions);
     });
     section(ui, "Picture", true, |ui| picture(ui, view, actions));
@@ -48,6 +49,12 @@ fn display(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
     edit_row(actions, "Tone map", view, Edit::View, |v| {
         combo_row(ui, "Tone map", "Curve that fits bright values to the display.", &mut v.post.tone_map, &curves)
     });
+}
+
+fn vignette(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
+    let help = "How much darker the picture is toward its corners; at 1 they have a quarter of their light.";
+    let vignette = Number::new("Vignette", help, 0.0..=1.0, 0.0);
+    edit_row(actions, "Vignette", view, Edit::View, |v| slider_row(ui, &vignette, &mut v.post.vignette));
 }
 
 fn background(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {

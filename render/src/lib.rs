@@ -79,7 +79,7 @@ pub use measure::{
     predict::{Bin, Calibration, CalibrationError, PredictedError, calibrate, predicted_error},
     split::{ErrorSplit, SplitError, SplitJob, SplitPicture, SplitStep, vertices::TraceVertex},
 };
-pub use post::{Post, ToneMap};
+pub use post::{Post, ToneMap, vignetted};
 pub use reference::{
     path::{
         PathPicture,

@@ -2,7 +2,7 @@
 //!
 //! The list of all tone curves. Twin of `shaders/tonemap.wgsl`.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use lapidary_core::color::{luminance, srgb_from_linear};
 use serde::{Deserialize, Serialize};
 
@@ -101,7 +101,7 @@ impl ToneMap {
     }
 }
 
-/// Exposure and tone curve.
+/// Exposure, vignette and tone curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Post {
@@ -109,10 +109,13 @@ pub struct Post {
     pub exposure: f32,
     /// Curve.
     pub tone_map: ToneMap,
+    /// How much darker the picture is toward its corners, 0 to 1: at 1 they have a quarter of their light, as by the cosine law of a
+    /// wide lens.
+    pub vignette: f32,
 }
 
 impl Post {
-    /// Display color of `radiance`: encoded, each channel 0 to 1. NaN becomes magenta.
+    /// Display color of `radiance` in the middle of a picture: encoded, each channel 0 to 1. NaN becomes magenta.
     pub fn display(&self, radiance: Vec3) -> Vec3 {
         if radiance.is_nan() {
             return Vec3::new(1.0, 0.0, 1.0);
@@ -120,6 +123,17 @@ impl Post {
         let exposed = (radiance * self.exposure.exp2()).clamp(Vec3::ZERO, Vec3::splat(LARGEST));
         (self.tone_map.curve().function)(exposed).map(srgb_from_linear)
     }
+}
+
+/// Share of the light at a pixel of a picture with this vignette. Twin of `vignette` in `shaders/display_pass.wgsl`.
+pub fn vignetted(vignette: f32, [x, y]: [u32; 2], size: [u32; 2]) -> f32 {
+    if vignette == 0.0 {
+        return 1.0;
+    }
+    let half = 0.5 * Vec2::new(size[0] as f32, size[1] as f32);
+    let off = (Vec2::new(x as f32, y as f32) + 0.5 - half).length_squared() / half.length_squared();
+    let cosine_sq = 1.0 / (1.0 + vignette * off);
+    cosine_sq * cosine_sq
 }
 
 /// Larger values look the same, and their squares must stay finite.
@@ -201,7 +215,7 @@ mod tests {
     #[test]
     fn curves_rise_from_black_stay_in_range_and_show_nan() {
         for tone_map in ToneMap::ALL {
-            let post = Post { exposure: 0.0, tone_map };
+            let post = Post { tone_map, ..Post::default() };
             let shown: Vec<f32> = (0..60).map(|i| post.display(Vec3::splat(1e-3 * 1.3_f32.powi(i))).y).collect();
             assert!(shown.windows(2).all(|w| w[1] >= w[0] - 1e-6), "{tone_map:?} {shown:?}");
             assert!(shown.iter().all(|v| (0.0..=1.0).contains(v)));
@@ -213,7 +227,7 @@ mod tests {
 
     #[test]
     fn a_stop_doubles_and_standard_is_srgb() {
-        let post = Post { exposure: 1.0, tone_map: ToneMap::Standard };
+        let post = Post { exposure: 1.0, ..Post::default() };
         assert!((post.display(Vec3::splat(0.107_020_5)) - 0.5).length() < 1e-4);
     }
 
@@ -221,5 +235,15 @@ mod tests {
     fn neutral_leaves_base_colours_alone_but_for_the_fresnel_offset() {
         let c = Vec3::new(0.5, 0.3, 0.2);
         assert!((pbr_neutral(c) - (c - 0.04)).length() < 1e-6);
+    }
+
+    #[test]
+    fn corners_have_a_quarter_of_their_light_at_most_and_the_middle_all() {
+        let size = [401, 301];
+        assert!((vignetted(1.0, [0, 0], size) - 0.25).abs() < 2e-3);
+        assert_eq!((vignetted(1.0, [200, 150], size), vignetted(0.0, [0, 0], size)), (1.0, 1.0));
+        let row: Vec<f32> = (200..401).map(|x| vignetted(0.5, [x, 150], size)).collect();
+        assert!(row.windows(2).all(|pair| pair[1] < pair[0]) && row[200] > 0.5, "it falls off evenly");
+        assert_eq!(vignetted(0.5, [0, 20], size), vignetted(0.5, [400, 280], size), "alike on both sides");
     }
 }

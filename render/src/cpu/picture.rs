@@ -8,7 +8,7 @@ pub(crate) mod smoothed;
 use crate::{
     backend::{PictureStats, ShadedSamples},
     cpu::display::display_pixel,
-    post::Post,
+    post::{Post, vignetted},
     shade::direct::{pixel_shift, ray_shift},
     shade::{
         painter::{Painter, SeenOfParts},
@@ -294,11 +294,19 @@ impl Picture {
         (0..self.seen.len()).into_par_iter().map(|pixel| self.display_pixel(pixel, view, post, count_top)).collect()
     }
 
+    /// Share of a pixel's light that the vignette leaves; quantities other than light have none.
+    fn vignette(&self, pixel: usize, view: &View, post: &Post) -> f32 {
+        let [width, _] = view.size.map(|side| side as usize);
+        let place = [(pixel % width.max(1)) as u32, (pixel / width.max(1)) as u32];
+        if view.mode.is_light() { vignetted(post.vignette, place, view.size) } else { 1.0 }
+    }
+
     fn display_pixel(&self, pixel: usize, view: &View, post: &Post, count_top: f32) -> [u8; 4] {
         let transparent = view.background == Background::Transparent;
+        let light = self.vignette(pixel, view, post);
         if self.is_stand_in(pixel) {
             let (value, alpha) = self.stand_in(pixel);
-            let shown = display_pixel(view.mode, post, count_top, value);
+            let shown = display_pixel(view.mode, post, count_top, value * light);
             let wire = self.filled.wire.get(pixel).copied().unwrap_or_default();
             let [r, g, b] = wireframe::over(shown, wire).to_array();
             return [r, g, b, alpha].map(|v| (255.0 * v + 0.5) as u8);
@@ -312,7 +320,7 @@ impl Picture {
             return [0; 4];
         }
         // The background must not show where the picture has no coverage, so the mean is over covered samples.
-        let shown = display_pixel(view.mode, post, count_top, self.mean_so_far(pixel, view.aa) / alpha);
+        let shown = display_pixel(view.mode, post, count_top, light * self.mean_so_far(pixel, view.aa) / alpha);
         let [r, g, b] = wireframe::over(shown, seen.wire / (alpha * seen.samples as f32)).to_array();
         [r, g, b, alpha].map(|v| (255.0 * v + 0.5) as u8)
     }

@@ -219,6 +219,7 @@ pub struct Display {
     pub transparent: u32,
     pub lets_light_through: u32,
     pub samples: u32,
+    pub vignette: f32,
 }
 
 /// `StaleMarks` of `keep_pass.wgsl`.

@@ -26,6 +26,9 @@ pub struct PictureArgs {
     /// Tone curve of png files
     #[arg(long, default_value = "standard", value_parser = choices::tone_map())]
     tone_map: ToneMap,
+    /// How much darker png files are toward their corners, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value = "0", value_parser = values::fraction)]
+    vignette: f32,
     /// Where and how they are rendered.
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -41,7 +44,7 @@ impl PictureArgs {
             illum_cut: self.illum_cut,
             tau: self.lit_cuts,
             sampling: self.brdf,
-            post: Post { exposure: self.exposure, tone_map: self.tone_map },
+            post: Post { exposure: self.exposure, tone_map: self.tone_map, vignette: self.vignette },
             ..viewed.look()?
         })
     }

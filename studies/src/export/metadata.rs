@@ -41,6 +41,7 @@ pub fn settings(look: &Look, dataset: &Dataset) -> Map<String, Value> {
         "background": format!("{:?}", look.view.background),
         "exposure_stops": number(look.post.exposure),
         "tone_map": look.post.tone_map,
+        "vignette": number(look.post.vignette),
     }) else {
         unreachable!("braces make an object")
     };

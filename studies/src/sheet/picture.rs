@@ -8,7 +8,7 @@ use lapidary_core::{
     output::write_atomically,
 };
 use lapidary_interchange::image::encode_png_pixels;
-use lapidary_render::Post;
+use lapidary_render::{Post, vignetted};
 use std::{ops::Range, path::Path};
 
 /// sRGB-encoded pixels with straight (not premultiplied) alpha, row by row from the top left.
@@ -26,9 +26,13 @@ impl DisplayPicture {
         Self { size, pixels: vec![[r, g, b, 255]; size[0] as usize * size[1] as usize] }
     }
 
-    /// Scene-linear radiance after exposure and tone curve, opaque; NaN is magenta.
+    /// Scene-linear radiance after exposure, vignette and tone curve, opaque; NaN is magenta.
     pub fn shown(image: &Image, post: &Post) -> Self {
-        Self::of_display(image.size, image.pixels.iter().map(|&radiance| post.display(radiance)))
+        let width = image.size[0].max(1);
+        let place = |pixel: u32| [pixel % width, pixel / width];
+        let light = |pixel: u32| vignetted(post.vignette, place(pixel), image.size);
+        let shown = (0..).zip(&image.pixels).map(|(pixel, &radiance)| post.display(radiance * light(pixel)));
+        Self::of_display(image.size, shown)
     }
 
     /// An opaque picture of display values from 0 to 1.

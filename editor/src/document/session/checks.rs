@@ -164,6 +164,7 @@ impl Checks<'_> {
     fn view(&mut self, view: &mut ViewSettings) {
         let default = ViewSettings::default();
         self.range("the exposure", &mut view.post.exposure, [-32.0, 32.0, 0.0]);
+        self.range("the vignette", &mut view.post.vignette, [0.0, 1.0, 0.0]);
         self.range("the blur of the background", &mut view.blur_degrees, [0.0, 90.0, default.blur_degrees]);
         for i in 0..3 {
             let fallback = default.background_color[i];

@@ -99,7 +99,7 @@ impl Project {
         document.camera = camera("");
         document.bookmarks = vec![camera("front"), camera("back")];
         document.view = ViewSettings {
-            post: Post { exposure: -0.3, tone_map: ToneMap::AgX },
+            post: Post { exposure: -0.3, tone_map: ToneMap::AgX, vignette: 0.4 },
             background: BackgroundKind::Blurred,
             illum_cut: 400,
             tau: 0.02,

@@ -34,7 +34,7 @@ pub fn adapted(weighted: impl Iterator<Item = (f32, f32)> + Clone) -> Post {
     let log_mean = weighted.map(|(l, w)| l.max(DARKEST * mean).max(f32::MIN_POSITIVE).ln() * w).sum::<f32>() / weight;
     let stops = (KEY / log_mean.exp()).log2();
     let exposure = if mean > 0.0 && stops.is_finite() { stops } else { 0.0 };
-    Post { exposure, tone_map: ToneMap::Reinhard }
+    Post { exposure, tone_map: ToneMap::Reinhard, ..Post::default() }
 }
 
 /// A radiance as the display shows it.

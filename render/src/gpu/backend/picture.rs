@@ -63,6 +63,7 @@ impl Picture {
             transparent: u32::from(self.view.background == Background::Transparent),
             lets_light_through: u32::from(self.lets_light_through()),
             samples: self.view.aa.max(1),
+            vignette: post.vignette,
         }
     }
 }

@@ -283,7 +283,17 @@ fn rust_shapes() -> Vec<(&'static str, Shape)> {
         ("StaleMarks", shape!(layout::StaleMarks, materials, patches)),
         (
             "Display",
-            shape!(layout::Display, exposure, count_top, tone_map, view_mode, transparent, lets_light_through, samples),
+            shape!(
+                layout::Display,
+                exposure,
+                count_top,
+                tone_map,
+                view_mode,
+                transparent,
+                lets_light_through,
+                samples,
+                vignette
+            ),
         ),
         ("Sun", shape!(layout::Sun, axis, height, right, sine, up, tangent)),
         ("SunUniforms", shape!(layout::SunUniforms, suns, count, largest_offset, padding)),

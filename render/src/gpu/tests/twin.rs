@@ -10,6 +10,7 @@ use crate::{
         test_adapter::{on_adapter, shared_device},
     },
     gpu::{GpuBackend, GpuPath, ShaderSource},
+    post::vignetted,
     shade::surface::Surfaces,
     shade::{
         differentials::Differentials,
@@ -497,9 +498,12 @@ fn tone_curves_agree_to_a_code_value_and_are_told_apart() {
     rig.gpu.begin(&view, BrdfSampling::Refine).unwrap();
     rig.gpu.render_rows(0, 0..view.size[1]).unwrap();
     let linear = rig.gpu.read(1).unwrap().0;
-    let codes = |post: Post| -> Vec<Vec3> { linear.pixels.iter().map(|&p| post.display(p) * 255.0).collect() };
+    let light = |i: u32, post: &Post| vignetted(post.vignette, [i % view.size[0], i / view.size[0]], view.size);
+    let codes = |post: Post| -> Vec<Vec3> {
+        (0..).zip(&linear.pixels).map(|(i, &p)| post.display(p * light(i, &post)) * 255.0).collect()
+    };
     for tone_map in ToneMap::ALL {
-        let post = Post { exposure: 0.5, tone_map };
+        let post = Post { exposure: 0.5, tone_map, vignette: 0.7 };
         let shown = rig.gpu.display(&post, 1).unwrap();
         let worst = |codes: &[Vec3]| {
             let distance =
@@ -508,6 +512,7 @@ fn tone_curves_agree_to_a_code_value_and_are_told_apart() {
         };
         assert!(shown.iter().all(|p| p[3] == 255));
         assert!(worst(&codes(post)) < 1.0, "{tone_map:?}: {}", worst(&codes(post)));
+        assert!(worst(&codes(Post { vignette: 0.2, ..post })) > 1.5, "{tone_map:?}");
         assert!(worst(&codes(Post { exposure: 0.6, ..post })) > 1.5, "{tone_map:?}");
         let next = ToneMap::ALL[(tone_map as usize + 1) % ToneMap::ALL.len()];
         assert!(worst(&codes(Post { tone_map: next, ..post })) > 1.5, "{tone_map:?}");
