@@ -41,7 +41,7 @@ pub fn blackbody(kelvin: f32) -> Vec3 {
 /// The temperature whose color is nearest to one in linear Rec. 709, of any brightness, in kelvins; `None` if none is near.
 pub fn temperature_of(color: Vec3) -> Option<f32> {
     /// Farthest color that counts as one of a black body, where the brightest channel is 1.
-    const NEAR: f32 = 0.03;
+    const NEAR: f32 = 0.06;
     const STEPS: u32 = 200;
     let color = color / color.max_element();
     let [coldest, hottest] = KELVINS;

@@ -69,12 +69,19 @@ fn recover(ui: &mut Ui, found: &[Recovery]) -> Option<Answer> {
             if ui.button("Recover").clicked() {
                 answer = Some(Answer::Recover(i));
             }
-            let name = recovery.session_path.as_ref().map_or("never saved".into(), |p| p.display().to_string());
+            let name =
+                recovery.session_path.as_ref().map_or_else(|| never_saved(recovery), |p| p.display().to_string());
             ui.label(name);
             ui.weak(age(recovery.saved_at));
         });
     }
     answer.or(buttons(ui, [("Discard all", Answer::DiscardAll), ("Ask again next time", Answer::Cancel)]))
+}
+
+/// Names a document without a session by its scene.
+fn never_saved(recovery: &Recovery) -> String {
+    let name = recovery.subject.as_deref().and_then(Path::file_name);
+    name.map_or("never saved".into(), |name| format!("{}, never saved", name.to_string_lossy()))
 }
 
 fn missing(ui: &mut Ui, loaded: &LoadedSession) -> Option<Answer> {

@@ -59,6 +59,8 @@ pub struct Recovery {
     pub file: PathBuf,
     /// The session file of the document, if it had one.
     pub session_path: Option<PathBuf>,
+    /// The scene file of the document, or else its dataset, as written.
+    pub subject: Option<PathBuf>,
     /// When it was written.
     pub saved_at: SystemTime,
 }
@@ -156,10 +158,12 @@ impl Recovery {
         if Process::of_file(&file)?.is_running(&file) {
             return None;
         }
-        let note = read_json(&file).ok()?.remove(AUTOSAVE_KEY)?;
-        let note: Note = serde_json::from_value(note).ok()?;
+        let mut session = read_json(&file).ok()?;
+        let note: Note = serde_json::from_value(session.remove(AUTOSAVE_KEY)?).ok()?;
+        let named = |key: &str| session.get(key)?.as_str().map(PathBuf::from);
+        let subject = named("scene").or_else(|| named("dataset"));
         let saved_at = UNIX_EPOCH.checked_add(Duration::from_secs(note.saved_at))?;
-        Some(Self { file, session_path: note.session.map(Into::into), saved_at })
+        Some(Self { file, session_path: note.session.map(Into::into), subject, saved_at })
     }
 
     /// Removes the autosave.
