@@ -24,7 +24,7 @@ pub use environment::{EnvironmentSettings, Orientation, SunChoice};
 pub use history::History;
 pub use path_list::write_setting;
 pub use relative::{absolute, folder_of};
-pub use view::{BackgroundKind, ShownMaterials, ViewSettings};
+pub use view::{ASPECTS, BackgroundKind, ShownMaterials, ViewSettings};
 
 use glam::Vec3;
 use handling::HandlingOfObjects;

@@ -1,7 +1,6 @@
 //! The outliner: objects with their materials, materials, and cameras.
 
 mod bookmarks;
-pub mod object_menu;
 mod pose;
 #[cfg(test)]
 mod tests;
@@ -10,7 +9,10 @@ use crate::{
     actions::{Action, CameraAction, FileAction, MaterialAction, SelectAction},
     document::Document,
     dragged::Dragged,
-    viewport::gizmo::{Pivot, Subject},
+    viewport::{
+        gizmo::{Pivot, Subject},
+        object_menu,
+    },
     widgets::{eye, outline, padlock, section},
 };
 use egui::{

@@ -22,6 +22,7 @@ pub mod gate;
 pub mod gizmo;
 mod input;
 mod legend;
+pub mod object_menu;
 mod outline;
 mod paint;
 pub mod pick;
@@ -31,7 +32,6 @@ pub use input::turn_environment;
 use crate::{
     actions::{Action, CameraAction, LightAction, PoseAction, SelectAction},
     document::Document,
-    scene::object_menu,
     viewport::compare::CompareView,
 };
 use egui::{Color32, Pos2, Rect, Response, Role, Sense, TextureHandle, TextureId, Ui, WidgetInfo};

@@ -10,6 +10,9 @@ use lapidary_render::{Background, BasisView, BrdfSampling, Post, ViewMode};
 use lapidary_studies::ladder::Cuts;
 use serde::{Deserialize, Serialize};
 
+/// Width over height of delivered pictures, at least and at most.
+pub const ASPECTS: [f32; 2] = [0.1, 10.0];
+
 /// The background where there is no surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

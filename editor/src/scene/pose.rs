@@ -1,10 +1,13 @@
 //! Poses of the selected objects, relative to the scene file.
 
-use super::{SceneContext, object_menu};
+use super::SceneContext;
 use crate::{
     actions::{Action, PoseAction},
     document::Edit,
-    viewport::gizmo::{Movable, Pivot, Subject, Tool},
+    viewport::{
+        gizmo::{Movable, Pivot, Subject, Tool},
+        object_menu,
+    },
     widgets::{
         Edited, Number, edit_row,
         entries::{Decades, combo_row, decades_row, point_row, turns_row},

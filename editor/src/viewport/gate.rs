@@ -16,8 +16,6 @@ pub const SHAPES: [(Option<f32>, &str, &str); 10] = [
     (Some(2.0 / 3.0), "2:3", "Portrait photographs"),
     (Some(9.0 / 16.0), "9:16", "Phones"),
 ];
-/// Width over height of a gate, at least and at most.
-pub const GATES: [f32; 2] = [0.1, 10.0];
 /// Parts of the picture in which action and titles are safe, as shares of its sides (EBU R 95).
 const SAFE: [(f32, &str); 2] = [(0.93, "Action safe"), (0.9, "Title safe")];
 

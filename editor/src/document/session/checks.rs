@@ -1,10 +1,7 @@
 //! Clamps values of a file that a renderer cannot use, each with a warning.
 
 use super::{Session, SessionCamera, SessionLight, SessionLook, SessionMaterial, SessionMaterials};
-use crate::{
-    document::{EnvironmentSettings, SunChoice, ViewSettings, lights},
-    viewport::gate::GATES,
-};
+use crate::document::{ASPECTS, EnvironmentSettings, SunChoice, ViewSettings, lights};
 use glam::Vec3;
 use lapidary_core::{
     camera::Lens,
@@ -173,7 +170,7 @@ impl Checks<'_> {
         self.range("the illumination cut", &mut view.illum_cut, [1, 32_768, default.illum_cut]);
         self.range("the share that lit cuts move", &mut view.tau, [0.0, 1.0, default.tau]);
         self.range("the number of samples per pixel", &mut view.aa, [1, 256, default.aa]);
-        let [narrowest, widest] = GATES;
+        let [narrowest, widest] = ASPECTS;
         let is_gate = |aspect: &f32| (narrowest..=widest).contains(aspect);
         if !view.aspect.as_ref().is_none_or(is_gate) {
             view.aspect = None;
