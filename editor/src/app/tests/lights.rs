@@ -1,6 +1,6 @@
 //! Local lights through the whole window: made, moved, undone, saved and found again, written and read.
 
-use super::{Place, Window};
+use super::{EditorState, Place, Window};
 use crate::{
     actions::{Action, CameraAction, FileAction, LightAction, SelectAction},
     document::{Component, ComponentSettings, Edit, lights::LightKind},
@@ -9,7 +9,7 @@ use crate::{
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use lapidary_core::{dataset::BakeParts, lights::Light};
+use lapidary_core::{camera::Camera, dataset::BakeParts, lights::Light};
 
 fn opened(place: &Place) -> Window {
     place.bake();
@@ -175,4 +175,32 @@ fn a_black_picture_says_why_and_leads_to_light() {
     window.click("Spot");
     assert_eq!(lights(&window).len(), 1);
     assert!(!window.shows("Nothing gives light"));
+}
+
+#[test]
+fn a_new_light_hangs_below_a_ceiling_and_lights_what_is_seen() {
+    let place = Place::new();
+    // A floor, and a low ceiling over it.
+    let quads = "o floor\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 4 3 2\no ceiling\nv -2 0.4 -2\nv 2 0.4 -2\nv 2 0.4 2\nv -2 0.4 2\nf 5 6 7 8\n";
+    std::fs::write(place.path("low.obj"), quads).unwrap();
+    let mut window = place.window();
+    window.open(&place.path("low.obj"));
+    let is_ready = |s: &EditorState| s.work.scene.rendered().is_some_and(|b| b.intersector_if_ready().is_some());
+    window.wait("rays", is_ready);
+    // The target floats behind the floor that is seen.
+    let camera = Camera::look_at(Vec3::new(0.0, 0.3, 1.5), Vec3::new(0.0, -0.15, -0.75), 40.0);
+    window.perform(Action::Camera(CameraAction::To(camera.clone())));
+    window.perform(Action::Light(LightAction::Add(LightKind::Spot)));
+    let light = lights(&window).last().unwrap().clone();
+    assert!(light.target.y.abs() < 1e-3 && light.target.z.abs() < 1e-2, "on the floor in the middle: {light:?}");
+    assert!(light.position.y > 0.01 && light.position.y < 0.4, "below the ceiling: {light:?}");
+    let state = window.0.state();
+    let baked = state.work.scene.rendered().unwrap();
+    let lit = |light: &Light| {
+        let view = lapidary_render::View::new(camera.clone(), [64, 48]);
+        lapidary_render::lights_view(&baked.dataset, baked.intersector(), light, &view)
+    };
+    assert!(lit(&light));
+    let above = Light { position: Vec3::new(0.0, 0.8, 0.0), ..light };
+    assert!(!lit(&above), "negative control: above the ceiling");
 }
