@@ -77,6 +77,7 @@ impl Action {
             )
             | Self::Light(LightAction::Load(path) | LightAction::Save(path))
             | Self::Environment(EnvironmentAction::Load(path) | EnvironmentAction::AddToLibrary(path))
+            | Self::Camera(CameraAction::Backplate(path))
             | Self::Compare(CompareAction::Reference(path))
             | Self::Export(
                 ExportAction::Picture(path)
@@ -114,6 +115,8 @@ pub enum CameraAction {
     To(Camera),
     /// Move back so that the selection, or the scene, is in view.
     FrameSelection,
+    /// Put a picture behind the scene.
+    Backplate(Option<PathBuf>),
     /// Wait for a click on what is to be sharp.
     AskForFocus,
     /// Focus a point, and end the wait; without a point only end it.

@@ -26,6 +26,7 @@ pub fn look_of(
         sampling: document.view.sampling,
         view: view_of(document, size),
         post: document.view.post,
+        backplate: None,
     }
 }
 

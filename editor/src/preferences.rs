@@ -56,6 +56,8 @@ pub enum FileUse {
     Picture,
     /// Pictures to compare with.
     Reference,
+    /// Pictures behind the scene.
+    Backplate,
     /// Folders to search for missing files.
     Missing,
 }
@@ -72,6 +74,7 @@ pub struct LastFolders {
     lights: Option<PathBuf>,
     picture: Option<PathBuf>,
     reference: Option<PathBuf>,
+    backplate: Option<PathBuf>,
     missing: Option<PathBuf>,
 }
 
@@ -98,6 +101,7 @@ impl LastFolders {
             FileUse::Lights => &mut self.lights,
             FileUse::Picture => &mut self.picture,
             FileUse::Reference => &mut self.reference,
+            FileUse::Backplate => &mut self.backplate,
             FileUse::Missing => &mut self.missing,
         }
     }

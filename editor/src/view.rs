@@ -17,6 +17,7 @@ use crate::{
 use egui::{Button, Ui};
 use lapidary_core::cut::lit::DEFAULT_TAU;
 use lapidary_render::{BrdfSampling, ToneMap, ViewMode};
+use std::path::Path;
 
 /// Budgets of the illumination cut from the paper's figures and around them.
 const CUT_PRESETS: [u32; 6] = [32, 64, 128, 256, 512, 1024];
@@ -62,6 +63,7 @@ fn background(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
         (BackgroundKind::Environment, "Environment", "The environment, sharp."),
         (BackgroundKind::Blurred, "Blurred environment", "The environment, blurred; the light stays as it is."),
         (BackgroundKind::Flat, "Color", "One color."),
+        (BackgroundKind::Picture, "Picture", "A picture of your own; a ground that catches shadows darkens it."),
         (BackgroundKind::Transparent, "Transparent", "No background; exported pictures are transparent there."),
     ];
     edit_row(actions, "Background", view, Edit::View, |v| {
@@ -77,6 +79,13 @@ fn background(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
             edit_row(actions, "Background color", view, Edit::View, |v| {
                 color_row(ui, "Color", "Scene-linear color; exposure applies to it.", &mut v.background_color, default)
             });
+        }
+        BackgroundKind::Picture => {
+            let name = view.backplate.as_deref().and_then(Path::file_name);
+            let label = name.map_or("Choose...".into(), |name| name.to_string_lossy().into_owned());
+            if ui.add(Button::new(label).truncate()).on_hover_text("Choose the picture behind the scene").clicked() {
+                actions.push(Action::Camera(CameraAction::Backplate(None)));
+            }
         }
         BackgroundKind::Environment | BackgroundKind::Transparent => {}
     }

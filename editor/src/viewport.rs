@@ -96,6 +96,17 @@ impl ClickFor {
     }
 }
 
+/// What lies behind a transparent picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Behind {
+    /// Nothing shows through.
+    Nothing,
+    /// A checkerboard.
+    Checker,
+    /// A part of a picture, in texture coordinates.
+    Plate(TextureId, Rect),
+}
+
 /// A picture that is fading.
 #[derive(Clone, Copy, Debug)]
 pub struct Faded {
@@ -117,8 +128,8 @@ pub struct ViewportContext<'a> {
     pub picture_size: [u32; 2],
     /// The picture that fades into it.
     pub faded: Option<Faded>,
-    /// Whether a checkerboard lies behind the picture.
-    pub checker: bool,
+    /// What lies behind the picture.
+    pub behind: Behind,
     /// The shown mesh, for picking.
     pub mesh: Option<&'a Mesh>,
     /// The intersector of that mesh.

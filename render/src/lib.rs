@@ -17,6 +17,7 @@
 
 mod appearance;
 mod backend;
+mod backplate;
 mod baked;
 mod cpu;
 mod device;
@@ -44,6 +45,7 @@ mod view_mode;
 
 pub use appearance::{Appearance, Assigned};
 pub use backend::{Backend, BackendFactory, PictureStats, RenderStats, ShadedSamples, Tier};
+pub use backplate::Backplate;
 pub use baked::{Baked, Posing};
 pub use cpu::{
     backend::{CPU, CpuBackend},

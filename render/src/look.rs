@@ -1,8 +1,8 @@
 //! All settings of a picture of a baked scene, and the work for a change of look.
 
 use crate::{
-    Appearance, Baked, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Renderer, Solution, Stale, View,
-    ViewMode, light::situation::Changes, shade::background::caught_per_radiance,
+    Appearance, Backplate, Baked, BrdfSampling, Components, Illumination, Marks, Pixels, Post, Renderer, Solution,
+    Stale, View, ViewMode, light::situation::Changes, shade::background::caught_per_radiance,
 };
 use lapidary_core::{
     cut::lit::DEFAULT_TAU,
@@ -38,6 +38,8 @@ pub struct Look {
     pub view: View,
     /// Exposure and tone curve of the display; scene-linear files ignore them.
     pub post: Post,
+    /// A picture behind a transparent picture, in files of display values.
+    pub backplate: Option<Arc<Backplate>>,
 }
 
 impl Look {
@@ -78,6 +80,7 @@ impl Look {
             sampling: BrdfSampling::default(),
             view,
             post: Post::default(),
+            backplate: None,
         }
     }
 }
@@ -119,6 +122,8 @@ impl Redo {
             sampling,
             view,
             post,
+            // It lies under what is displayed.
+            backplate: _,
         } = old;
         let light = Changes {
             poses: *poses != new.poses,

@@ -38,6 +38,7 @@ pub fn look() -> Look {
         sampling: Default::default(),
         view: View::new(Camera::look_at(Vec3::new(0.5, 1.0, 3.0), Vec3::new(0.1, 0.3, 0.0), 40.0), [8, 6]),
         post: Default::default(),
+        backplate: None,
     }
 }
 
@@ -57,5 +58,6 @@ pub fn plain_look(aa: u32) -> Look {
         sampling: Default::default(),
         view: View { aa, ..View::new(camera, [64, 48]) },
         post: Default::default(),
+        backplate: None,
     }
 }

@@ -1,5 +1,6 @@
 //! Finished pictures for files, from the window and the command line: rendering, layers, and metadata.
 
+pub mod backplate;
 mod files;
 mod layers;
 pub mod materials;

@@ -85,6 +85,8 @@ impl EditorState {
             self.picture.render.reload();
             return;
         }
+        self.picture.backplate.reload(&path, &self.work);
+        let document = &self.work.document;
         if document.environment.file().is_some_and(|map| file_and_layer(map).0 == path) {
             self.environments.reload(&path);
         }

@@ -161,6 +161,7 @@ impl EditorState {
         let is_disturbed = self.picture.render.works() || self.exporting.is_running();
         self.baking.collect(&mut self.work, is_disturbed);
         self.baking.follow_ground(&mut self.work);
+        self.picture.backplate.follow(&mut self.work, ctx);
         self.picture.collect(&mut self.work, ctx);
         self.comparison.collect(&mut self.work, ctx);
         self.exporting.collect(&mut self.work);

@@ -24,10 +24,10 @@ use crate::{
     preferences::Preferences,
     scene::{self, SceneContext},
     view::{self, ViewContext},
-    viewport::{self, ClickFor, ViewportContext, ViewportResponse, compare::Compared},
+    viewport::{self, Behind, ClickFor, ViewportContext, ViewportResponse, compare::Compared},
     workspace::{BakeStage, Inspector, Side, Tabs},
 };
-use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, Rect, ScrollArea, Ui, pos2};
 use lapidary_core::{dataset::BakeParts, lights::Light, material::Material};
 use lapidary_render::{Baked, Illumination, Tier, ViewMode};
 
@@ -268,6 +268,19 @@ fn words_over_picture(state: &EditorState, baked: &Baked) -> Option<&'static str
     state.baking.words(state.work.scene.seen(), shown).or_else(opacity)
 }
 
+/// What lies behind the picture: a picture covers the viewport.
+fn behind(state: &EditorState) -> Behind {
+    let plate = state.picture.backplate.texture();
+    match (state.work.document.view.background, plate) {
+        (BackgroundKind::Picture, Some((plate, texture))) => {
+            let [left, top, right, bottom] = plate.covering(state.work.aspect());
+            Behind::Plate(texture.id(), Rect::from_min_max(pos2(left, top), pos2(right, bottom)))
+        }
+        (BackgroundKind::Picture | BackgroundKind::Transparent, _) => Behind::Checker,
+        _ => Behind::Nothing,
+    }
+}
+
 /// What the next click in the viewport is for.
 fn click_for(state: &EditorState) -> Option<ClickFor> {
     if state.interface.focusing {
@@ -299,7 +312,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         picture: shown.and_then(|_| state.picture.texture()).map(|texture| texture.id()),
         picture_size: shown.map_or([1, 1], |s| s.size),
         faded: state.picture.faded(ui.ctx()),
-        checker: state.work.document.view.background == BackgroundKind::Transparent,
+        behind: behind(state),
         mesh,
         intersector: posed.as_ref().and_then(Baked::intersector_if_ready),
         scene_bounds: state.work.bounds.scene,

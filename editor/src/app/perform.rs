@@ -7,7 +7,7 @@ use crate::{
         MaterialAction, PoseAction, SelectAction,
     },
     app::{dialogs::Purpose, keys::Command},
-    document::{Edit, ViewSettings, folder_of, looks::LookPart, session},
+    document::{BackgroundKind, Edit, ViewSettings, folder_of, looks::LookPart, session},
     export::Exported,
     jobs::opening::Target,
     looks::{add_look, show_look},
@@ -77,6 +77,12 @@ impl EditorState {
     fn perform_camera(&mut self, ctx: &Context, action: CameraAction) {
         match action {
             CameraAction::To(camera) => self.work.document.camera = camera,
+            CameraAction::Backplate(path) => {
+                let backplate = path.or_else(|| self.work.document.view.backplate.clone());
+                let view =
+                    ViewSettings { background: BackgroundKind::Picture, backplate, ..self.work.document.view.clone() };
+                self.work.do_step(Edit::View(view), "Background picture");
+            }
             CameraAction::AskForFocus => self.interface.focusing = !self.interface.focusing,
             CameraAction::Focus(point) => self.focus(point),
             CameraAction::FrameSelection => self.frame_selection(),

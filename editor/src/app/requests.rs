@@ -3,8 +3,8 @@
 
 use super::state::EditorState;
 use crate::{
-    jobs::render_thread::RenderRequest, look::look_of, looks::PictureOfDocument, viewport::ViewportResponse,
-    workspace::BakeStage,
+    document::BackgroundKind, jobs::render_thread::RenderRequest, look::look_of, looks::PictureOfDocument,
+    viewport::ViewportResponse, workspace::BakeStage,
 };
 use egui::Context;
 use lapidary_render::Look;
@@ -43,7 +43,9 @@ impl EditorState {
         let (document, baked) = (&self.work.document, self.work.scene.rendered());
         let assigned = baked.and_then(|baked| self.picture.requests.assigned(document, baked));
         let poses = baked.map(|baked| self.pose.poses_since(&self.work, baked)).unwrap_or_default();
-        Some(look_of(document, baked, environment, (assigned, poses), size))
+        let backplate =
+            self.picture.backplate.picture().filter(|_| document.view.background == BackgroundKind::Picture);
+        Some(Look { backplate, ..look_of(document, baked, environment, (assigned, poses), size) })
     }
 
     /// What the window shows, for pictures that are made elsewhere; `None` without a scene.

@@ -9,6 +9,7 @@ use lapidary_core::{
 use lapidary_render::{Background, BasisView, BrdfSampling, Post, ViewMode};
 use lapidary_studies::ladder::Cuts;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Width over height of delivered pictures, at least and at most.
 pub const ASPECTS: [f32; 2] = [0.1, 10.0];
@@ -26,6 +27,8 @@ pub enum BackgroundKind {
     Flat,
     /// Transparent, shown as a checkerboard.
     Transparent,
+    /// A picture, on which a ground catches shadows.
+    Picture,
 }
 
 /// How the picture is made and shown.
@@ -38,6 +41,8 @@ pub struct ViewSettings {
     pub background: BackgroundKind,
     /// Blur of a blurred background, as a standard deviation in degrees.
     pub blur_degrees: f32,
+    /// The file of a picture as background.
+    pub backplate: Option<PathBuf>,
     /// Scene-linear color of a flat background.
     pub background_color: Vec3,
     /// Most nodes of the illumination cut, 1 to 32,768.
@@ -72,6 +77,7 @@ impl Default for ViewSettings {
             post: Post::default(),
             background: BackgroundKind::default(),
             blur_degrees: 8.0,
+            backplate: None,
             background_color: Vec3::splat(0.05),
             illum_cut: 256,
             tau: DEFAULT_TAU,
@@ -141,7 +147,7 @@ impl ViewSettings {
             BackgroundKind::Environment => Background::Environment,
             BackgroundKind::Blurred => Background::Blurred(self.blur_degrees.to_radians()),
             BackgroundKind::Flat => Background::Flat(self.background_color),
-            BackgroundKind::Transparent => Background::Transparent,
+            BackgroundKind::Transparent | BackgroundKind::Picture => Background::Transparent,
         }
     }
 }

@@ -1,13 +1,14 @@
 //! Pictures of documents, made away from the window.
 
 use crate::{
-    document::{Document, EnvironmentSettings, looks::LookState},
+    document::{BackgroundKind, Document, EnvironmentSettings, looks::LookState},
     look::look_of,
 };
 use anyhow::Result;
 use lapidary_core::{environment::Environment, names::told_apart, scene::pose::Poses, texture::ColorSpace};
 use lapidary_interchange::environment;
 use lapidary_render::{Baked, Look};
+use lapidary_studies::export::backplate;
 use std::sync::Arc;
 
 /// All that a picture of a document needs.
@@ -78,6 +79,10 @@ impl PictureOfDocument {
         let assigned = document.assigned_to(&baked.dataset.scene.mesh);
         let mut look = look_of(document, Some(baked), environment, (assigned, poses.clone()), *size);
         look.view.aa = aa.unwrap_or(look.view.aa);
+        let is_shown = document.view.background == BackgroundKind::Picture;
+        if let Some(path) = document.view.backplate.as_ref().filter(|_| is_shown) {
+            look.backplate = Some(Arc::new(backplate::read(path)?));
+        }
         Ok(look)
     }
 }

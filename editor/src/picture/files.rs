@@ -9,6 +9,7 @@ use crate::{
 use anyhow::Result;
 use egui::Context;
 use lapidary_interchange::image;
+use lapidary_render::Background;
 use lapidary_studies::{
     jobs::{guarded, spawn},
     sheet::DisplayPicture,
@@ -56,10 +57,12 @@ impl Picture {
         if !work.may_write(&path, Written::Other) {
             return;
         }
-        let transparent = work.document.view.background == BackgroundKind::Transparent;
+        let transparent = work.document.view.background() == Background::Transparent;
+        let is_over_picture = work.document.view.background == BackgroundKind::Picture;
+        let backplate = self.backplate.picture().filter(|_| is_over_picture);
         self.exports_asked += 1;
         let id = self.exports_asked;
-        self.exports.push(Export { id, path, transparent });
+        self.exports.push(Export { id, path, transparent, backplate });
         self.render.read_picture(id);
         work.messages.note("The picture will be written once all samples are done");
     }
@@ -73,11 +76,15 @@ impl Picture {
             return self.render.read_picture(id);
         }
         let shown = shown.filter(|_| is_png).map(|shown| (shown.pixels.clone(), shown.size));
-        let Export { path, transparent, .. } = self.exports.swap_remove(place);
+        let Export { path, transparent, backplate, .. } = self.exports.swap_remove(place);
         let (sender, wake) = (self.written.0.clone(), work.wake.clone());
         spawn("export", move || {
             let write = |picture: LinearPicture| match shown {
-                Some((pixels, size)) => write_png(&pixels, size, transparent, &path),
+                Some((pixels, size)) => {
+                    let mut pixels = pixels.to_vec();
+                    backplate.iter().for_each(|plate| plate.behind(&mut pixels, size));
+                    write_png(&pixels, size, transparent, &path)
+                }
                 None => write_linear(&picture, transparent, &path),
             };
             let written = result.and_then(|picture| guarded("the export", || write(picture)));

@@ -1,17 +1,20 @@
 //! The picture on the screen, and pictures on their way to files.
 
-use super::requests::Requests;
+use super::{backplate::BackplateShown, requests::Requests};
 use crate::{
     jobs::render_thread::{RenderRequest, RenderThread, RenderedFrame},
     viewport::Faded,
     workspace::Workspace,
 };
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
-use lapidary_render::{BackendFactory, ImplicitDetail, Tier};
+use lapidary_render::{BackendFactory, Backplate, ImplicitDetail, Tier};
 use lapidary_studies::jobs::Wake;
 use std::{
     path::PathBuf,
-    sync::mpsc::{Receiver, Sender, channel},
+    sync::{
+        Arc,
+        mpsc::{Receiver, Sender, channel},
+    },
 };
 
 /// A picture to write, once it is complete.
@@ -21,6 +24,8 @@ pub struct Export {
     pub path: PathBuf,
     /// Whether the background is transparent.
     pub transparent: bool,
+    /// The picture behind it.
+    pub backplate: Option<Arc<Backplate>>,
 }
 
 impl Export {
@@ -53,6 +58,8 @@ pub struct Picture {
     fading: Option<Fading>,
     /// The picture on the screen.
     pub shown: Option<RenderedFrame>,
+    /// The picture behind it.
+    pub backplate: BackplateShown,
     pub exports: Vec<Export>,
     pub exports_asked: u64,
     pub written: (Sender<Written>, Receiver<Written>),
@@ -67,6 +74,7 @@ impl Picture {
             texture: None,
             fading: None,
             shown: None,
+            backplate: BackplateShown::default(),
             exports: Vec::new(),
             exports_asked: 0,
             written: channel(),

@@ -1,6 +1,6 @@
 //! Paints the picture and the text over it.
 
-use super::{Faded, ViewportContext, ViewportState};
+use super::{Behind, Faded, ViewportContext, ViewportState};
 use egui::{
     Align2, Color32, ColorImage, FontId, Label, Rect, Stroke, StrokeKind, TextStyle, TextureHandle, TextureOptions, Ui,
     Vec2, pos2, vec2,
@@ -23,10 +23,14 @@ pub fn picture(ui: &Ui, rect: Rect, state: &mut ViewportState, context: &Viewpor
         painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
     }
     let Some(picture) = picture else { return };
-    if context.checker {
-        let checker = state.checker.get_or_insert_with(|| checker_texture(ui));
-        let uv = Rect::from_min_size(pos2(0.0, 0.0), rect.size() / (2.0 * SQUARE));
-        painter.image(checker.id(), rect, uv, Color32::WHITE);
+    match context.behind {
+        Behind::Nothing => {}
+        Behind::Checker => {
+            let checker = state.checker.get_or_insert_with(|| checker_texture(ui));
+            let uv = Rect::from_min_size(pos2(0.0, 0.0), rect.size() / (2.0 * SQUARE));
+            painter.image(checker.id(), rect, uv, Color32::WHITE);
+        }
+        Behind::Plate(texture, uv) => _ = painter.image(texture, rect, uv, Color32::WHITE),
     }
     painter.image(picture, place, part, Color32::WHITE);
     if let Some(Faded { texture, size, opacity }) = context.faded {

@@ -62,7 +62,7 @@ impl App {
             picture: Some(TextureId::default()),
             picture_size: [800, 600],
             faded: None,
-            checker: true,
+            behind: Behind::Checker,
             mesh: Some(&self.mesh),
             intersector: Some(&self.intersector),
             scene_bounds: Some(bounds),

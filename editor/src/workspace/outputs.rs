@@ -47,7 +47,10 @@ pub fn files_in_use(document: &Document) -> Vec<PathBuf> {
     let environments = [&document.environment].into_iter().chain(of_looks);
     let environments = environments.filter_map(|map| Some(file_and_layer(map.file()?).0.to_owned()));
     let brdfs = brdf_files(document).map(|file| file.path.clone());
-    let mut files: Vec<PathBuf> = textures.chain(brdfs).chain(environments).chain(document.scene.clone()).collect();
+    let views = [&document.view].into_iter().chain(document.looks.iter().filter_map(|look| look.state.view.as_ref()));
+    let backplates = views.filter_map(|view| view.backplate.clone());
+    let mut files: Vec<PathBuf> =
+        textures.chain(brdfs).chain(environments).chain(backplates).chain(document.scene.clone()).collect();
     files.sort();
     files.dedup();
     files

@@ -1,11 +1,12 @@
 //! Picture options shared by `render` and `sequence`.
 
 use super::{DeviceArgs, ViewedScene, choices};
-use crate::values;
+use crate::{export::backplate, values};
 use anyhow::Result;
 use clap::Args;
 use lapidary_core::cut::lit::DEFAULT_TAU;
-use lapidary_render::{BrdfSampling, Look, Post, ToneMap};
+use lapidary_render::{Background, BrdfSampling, Look, Post, ToneMap};
+use std::{path::PathBuf, sync::Arc};
 
 /// How pictures are rendered and displayed.
 #[derive(Args, Clone, Debug)]
@@ -29,6 +30,9 @@ pub struct PictureArgs {
     /// How much darker png files are toward their corners, 0 to 1
     #[arg(long, value_name = "SHARE", default_value = "0", value_parser = values::fraction)]
     vignette: f32,
+    /// Picture behind the scene in png files; a ground that catches shadows (--ground shadow) darkens it
+    #[arg(long, value_name = "FILE")]
+    pub backplate: Option<PathBuf>,
     /// Where and how they are rendered.
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -40,12 +44,18 @@ impl PictureArgs {
     /// # Errors
     /// Bounced light was requested, and the dataset has none of that kind.
     pub fn look(&self, viewed: &ViewedScene) -> Result<Look> {
-        Ok(Look {
+        let backplate = self.backplate.as_deref().map(backplate::read).transpose()?.map(Arc::new);
+        let mut look = Look {
             illum_cut: self.illum_cut,
             tau: self.lit_cuts,
             sampling: self.brdf,
             post: Post { exposure: self.exposure, tone_map: self.tone_map, vignette: self.vignette },
+            backplate,
             ..viewed.look()?
-        })
+        };
+        if look.backplate.is_some() {
+            look.view.background = Background::Transparent;
+        }
+        Ok(look)
     }
 }

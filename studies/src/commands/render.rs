@@ -66,7 +66,8 @@ impl RenderArgs {
     /// A picture of unknown format.
     pub fn files(&self) -> Result<CommandFiles> {
         check_pictures(&self.out)?;
-        Ok(self.pose.files(self.view.files(&self.local)).writes(&self.out).writes(&self.stats))
+        let files = self.view.files(&self.local).reads(&self.picture.backplate);
+        Ok(self.pose.files(files).writes(&self.out).writes(&self.stats))
     }
 }
 

@@ -128,7 +128,7 @@ impl SequenceArgs {
     /// Names that do not form a sequence.
     pub fn files(&self) -> Result<CommandFiles> {
         let outputs = self.outputs()?;
-        let files = self.motion.files(self.view.files(&self.local));
+        let files = self.motion.files(self.view.files(&self.local).reads(&self.picture.backplate));
         let numbers = self.first..self.first + self.frames;
         Ok(sequence_files(files, &outputs, numbers, self.existing(), self.contact_sheet.as_deref()))
     }

@@ -7,7 +7,9 @@ use crate::{
 };
 use anyhow::Result;
 use lapidary_core::image::Image;
-use lapidary_render::{Backend, BackendError, Baked, CPU, CpuBackend, LitScene, Look, RenderStats, SurfaceLayers};
+use lapidary_render::{
+    Backend, BackendError, Background, Baked, CPU, CpuBackend, LitScene, Look, RenderStats, SurfaceLayers,
+};
 
 /// A lit scene for pictures, with the remarks about them.
 pub struct Studio {
@@ -71,7 +73,11 @@ impl Studio {
     /// On the renderer that there is; `None` soon after `cancelled` returns true.
     fn take_once(&mut self, look: &Look, cancelled: &dyn Fn() -> bool) -> Result<Option<Taken>, BackendError> {
         let Some(picture) = self.scene.show(look, &mut || !cancelled())? else { return Ok(None) };
-        let shown = DisplayPicture { size: look.view.size, pixels: self.scene.display(&look.post)? };
+        let mut shown = DisplayPicture { size: look.view.size, pixels: self.scene.display(&look.post)? };
+        let is_seen_through = look.view.background == Background::Transparent;
+        if let Some(plate) = look.backplate.as_ref().filter(|_| is_seen_through) {
+            plate.behind(&mut shown.pixels, shown.size);
+        }
         Ok(Some(Taken { image: picture.image, coverage: picture.coverage, shown, stats: picture.stats }))
     }
 

@@ -1,7 +1,9 @@
 //! The purpose of a file dialog: its title, the files it lists, and how its answer completes the action that asked.
 
 use crate::{
-    actions::{Action, CompareAction, EnvironmentAction, ExportAction, FileAction, LightAction, MaterialAction},
+    actions::{
+        Action, CameraAction, CompareAction, EnvironmentAction, ExportAction, FileAction, LightAction, MaterialAction,
+    },
     preferences::FileUse,
 };
 use lapidary_core::brdf::ContentKind;
@@ -83,6 +85,9 @@ impl Purpose {
             }
             Action::File(FileAction::Relink(_)) => {
                 Self::folder(FileUse::Missing, "Search a folder for the files", "Search here")
+            }
+            Action::Camera(CameraAction::Backplate(_)) => {
+                Self::load(FileUse::Backplate, "Put a picture behind the scene", "Pictures", pictures())
             }
             Action::Export(ExportAction::Picture(_)) => {
                 Self::picture("Export the picture", PictureFormat::all_endings(PictureFormat::is_written))

@@ -2,8 +2,8 @@
 
 use super::{Place, Window};
 use crate::{
-    actions::{Action, ExportAction},
-    document::{Edit, ViewSettings},
+    actions::{Action, CameraAction, ExportAction},
+    document::{BackgroundKind, Edit, ViewSettings},
 };
 use egui_kittest::kittest::Queryable;
 use lapidary_interchange::image;
@@ -130,4 +130,34 @@ fn without_a_scene_there_is_nothing_to_export() {
     assert!(window.has_said("nothing to export"));
     window.perform(Action::Export(ExportAction::Layers(Some(place.path("a.exr")))));
     assert!(!place.path("a.exr").exists() && !window.0.state().exporting.is_running());
+}
+
+#[test]
+fn a_picture_lies_behind_the_scene_in_the_window_and_in_files_and_a_bad_one_is_told() {
+    let place = Place::new();
+    place.bake();
+    let mut window = place.window();
+    window.open(&place.path("scene.cuts"));
+    let red = place.path("red.png");
+    image::write(&lapidary_core::image::Image::filled([8, 4], glam::Vec3::X), &red).unwrap();
+    window.perform(Action::Camera(CameraAction::Backplate(Some(red.clone()))));
+    window.wait("the picture", |s| s.picture.backplate.picture().is_some());
+    assert_eq!(window.0.state().work.document.view.background, BackgroundKind::Picture);
+    let written = place.path("out.png");
+    window.perform(Action::Export(ExportAction::Picture(Some(written.clone()))));
+    window.wait("the file", |s| {
+        s.picture.exports.is_empty() && written.exists() && s.work.messages.any_contains("written")
+    });
+    let corner = |path: &Path| {
+        let texture = image::read_texture(path).unwrap();
+        let lapidary_core::texture::Texels::U8(texels) = texture.texels else { panic!("8 bits") };
+        texels[0]
+    };
+    assert_eq!(corner(&written), [255, 0, 0, 255], "the scene does not reach the corner");
+    window.perform(Action::Undo);
+    assert_eq!(window.0.state().work.document.view.background, BackgroundKind::Environment);
+    std::fs::write(&red, b"no picture").unwrap();
+    window.perform(Action::Camera(CameraAction::Backplate(Some(red))));
+    window.wait("the message", |s| s.work.messages.any_contains("red.png"));
+    assert!(window.0.state().picture.backplate.picture().is_none(), "negative control");
 }

@@ -245,6 +245,8 @@ impl Session {
     pub fn visit_paths(&mut self, visit: &mut dyn FnMut(&'static str, &mut PathBuf)) {
         self.scene.iter_mut().for_each(|path| visit("scene", path));
         self.dataset.iter_mut().for_each(|path| visit("dataset", path));
+        let views = [&mut self.view].into_iter().chain(self.looks.iter_mut().filter_map(|look| look.view.as_mut()));
+        views.filter_map(|view| view.backplate.as_mut()).for_each(|path| visit("background picture", path));
         for light in self.lights_mut() {
             if let Some(mut path) = light.environment.file().map(PathBuf::from) {
                 visit("environment", &mut path);

@@ -101,6 +101,8 @@ impl Project {
         document.view = ViewSettings {
             post: Post { exposure: -0.3, tone_map: ToneMap::AgX, vignette: 0.4 },
             background: BackgroundKind::Blurred,
+            backplate: Some(self.path("maps/linen.png")),
+            aspect: Some(2.0),
             illum_cut: 400,
             tau: 0.02,
             ..Default::default()
@@ -299,6 +301,7 @@ fn the_file_has_relative_paths_degrees_and_short_numbers() {
     assert_eq!((&json["lapidary_session"], &json["scene"]), (&json!(2), &json!("../a.gltf")));
     assert_eq!(json["environment"]["spec"], "../maps/room.hdr");
     assert_eq!(json["camera"]["fov_y_degrees"], 35.0);
+    assert_eq!(json["view"]["backplate"], "../maps/linen.png");
     let maps = &json["materials"][1]["maps"];
     assert_eq!(maps["base_color"]["texture"], json!({"file": "../maps/linen.png"}));
     assert_eq!(maps["bump"]["texture"], json!({"scene": {"index": 1, "name": "own.png"}}));
