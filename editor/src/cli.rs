@@ -6,11 +6,12 @@ use crate::{
     looks::command::{LooksArgs, RenderSessionArgs},
 };
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use lapidary_studies::{
     commands,
     terminal::{Console, Outcome},
 };
+use std::{ffi::OsString, path::Path};
 
 const ABOUT: &str = "Relights scenes whose visibility was baked once. Shadows and reflections of whole environments are \
 free of noise, for any material, and are measured against ray tracing.";
@@ -100,6 +101,15 @@ impl SessionCli {
     }
 }
 
+/// The arguments with the command `edit` before a file that stands alone, as a file manager gives it.
+pub fn with_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
+    let is_file = |name: &OsString| Path::new(name).is_file() && Cli::command().find_subcommand(name).is_none();
+    if arguments.get(1).is_some_and(is_file) {
+        arguments.insert(1, "edit".into());
+    }
+    arguments
+}
+
 impl Cli {
     /// The command.
     pub fn chosen(&self) -> Command {
@@ -117,7 +127,7 @@ The bake of a scene is expected beside it (NAME.cuts). F1 shows the keys.
 
 Examples:
   lapidary
-  lapidary edit scene.gltf
+  lapidary scene.gltf
   lapidary edit look.lapidary --backend cpu")]
     Edit(EditArgs),
     /// Check that all files that a session names are there and can be read
@@ -159,7 +169,6 @@ impl Command {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn without_a_command_the_window_opens() {
@@ -168,6 +177,19 @@ mod tests {
         assert!(
             matches!(Cli::parse_from(["lapidary", "demo"]).chosen(), Command::Study(command) if matches!(*command, commands::Command::Demo(_)))
         );
+    }
+
+    #[test]
+    fn a_file_alone_is_opened_in_the_window() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("scene.gltf");
+        let command =
+            |name: &Path| with_command(vec!["lapidary".into(), name.into(), "--backend".into(), "cpu".into()]);
+        assert_eq!(command(&file)[1], file, "negative control: there is no such file");
+        std::fs::write(&file, "").unwrap();
+        assert_eq!(command(&file)[1..3], ["edit".into(), file.into_os_string()]);
+        assert!(matches!(Cli::parse_from(command(&folder.path().join("scene.gltf"))).chosen(), Command::Edit(_)));
+        assert_eq!(with_command(vec!["lapidary".into(), "demo".into()])[1], "demo");
     }
 
     #[test]

@@ -49,11 +49,11 @@ use crate::{
 };
 use clap::Parser;
 use lapidary_studies::terminal::{Console, Outcome, error_text};
-use std::{ffi::OsString, process::ExitCode};
+use std::process::ExitCode;
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
-    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let arguments = cli::with_command(std::env::args_os().collect());
     let outcome = if RenderSessionArgs::are_meant(&arguments) {
         SessionCli::parse_from(arguments).run()
     } else {
