@@ -9,13 +9,15 @@ pub use panel::{LightsPanel, add_menu};
 use crate::{actions::Action, picture::Picture, workspace::Workspace};
 use egui::Ui;
 use lapidary_core::lights::Light;
+use lapidary_render::Baked;
 use panel::LightsContext;
 
-/// Shows the tab; `suns` are the environment's.
+/// Shows the tab; `suns` are the environment's, and `posed` is the scene with its objects where they are.
 pub fn show(
     ui: &mut Ui,
     panel: &mut LightsPanel,
     work: &Workspace,
+    posed: Option<&Baked>,
     picture: &Picture,
     suns: &[Light],
     actions: &mut Vec<Action>,
@@ -28,7 +30,7 @@ pub fn show(
         bounces: scene.map(|baked| baked.dataset.bounces()),
         baked: work.scene.baked_parts(),
         energy: picture.shown().and_then(|shown| shown.local.energy),
-        scene,
+        scene: posed,
         size: work.viewport_size,
         can_bake: work.scene.source.is_some(),
     };

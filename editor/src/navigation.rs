@@ -85,7 +85,7 @@ pub fn framed(camera: &Camera, bounds: Bounds, aspect: f32) -> Camera {
     let target = bounds.center();
     let apart = FRAMING_MARGIN * radius / half_angle.sin();
     let eye = target + apart * camera.world_from_view().z_axis;
-    sound(Camera { eye, target, ..camera.clone() }, camera)
+    sound(Camera { eye, target, ..camera.clone() }.in_the_middle(), camera)
 }
 
 /// Slides the eye across the view so that `point` comes to the center and becomes the target.
@@ -95,7 +95,7 @@ pub fn centered_on(camera: &Camera, point: Vec3) -> Camera {
     if !(depth > 0.0) {
         return camera.clone();
     }
-    sound(Camera { eye: point + depth * backward, target: point, ..camera.clone() }, camera)
+    sound(Camera { eye: point + depth * backward, target: point, ..camera.clone() }.in_the_middle(), camera)
 }
 
 /// Another vertical field of view in radians. With `keep_size` the eye moves so that the target keeps its size in the picture (a

@@ -24,23 +24,25 @@ pub struct Posing {
     pub pivot: Pivot,
     /// Whether the next click into the viewport places the pivot of the active object.
     pub placing_pivot: bool,
-    /// Objects that are hidden since others were isolated.
-    isolated: Vec<u32>,
+    /// Objects that are hidden since others were isolated, and the names of all objects then.
+    isolated: (Vec<u32>, Vec<String>),
     /// How clips play.
     pub timeline: Timeline,
     cache: PoseCache,
 }
 
 impl Posing {
-    /// Whether objects are hidden since others were isolated.
-    pub fn is_isolated(&self) -> bool {
-        !self.isolated.is_empty()
+    /// Objects that are hidden since others were isolated; none once one of them is shown, or the scene has other objects.
+    pub fn isolated(&self, document: &Document) -> &[u32] {
+        let (hidden, names) = &self.isolated;
+        let holds = *names == document.objects && hidden.iter().all(|&object| document.poses.of(object).hidden);
+        if holds { hidden } else { &[] }
     }
 
     /// Another document is open.
     pub fn forget_document(&mut self) {
         (self.timeline.playing, self.placing_pivot) = (false, false);
-        self.isolated.clear();
+        self.isolated = Default::default();
     }
 }
 

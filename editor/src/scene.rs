@@ -148,10 +148,9 @@ fn objects(
             }
             ui.with_layout(Layout::left_to_right(egui::Align::Center), |ui| {
                 object_eye(ui, context, index as u32, names[index], actions);
-                if context.document.handling_of(index as u32).locked {
-                    if padlock(ui, names[index]).clicked() {
-                        actions.extend(object_menu::lock(context.document, &[index as u32], false));
-                    }
+                let is_locked = context.document.handling_of(index as u32).locked;
+                if is_locked && padlock(ui, names[index]).clicked() {
+                    actions.extend(object_menu::lock(context.document, &[index as u32], false));
                 }
                 object_name(ui, context, index as u32, names[index], actions);
             });

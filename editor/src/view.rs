@@ -53,7 +53,7 @@ fn display(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
 }
 
 fn vignette(ui: &mut Ui, view: &ViewSettings, actions: &mut Vec<Action>) {
-    let help = "How much darker the picture is toward its corners; at 1 they have a quarter of their light.";
+    let help = "How much darker what is rendered is toward the corners; at 1 they have a quarter of their light. A picture behind the scene stays as it is.";
     let vignette = Number::new("Vignette", help, 0.0..=1.0, 0.0);
     edit_row(actions, "Vignette", view, Edit::View, |v| slider_row(ui, &vignette, &mut v.post.vignette));
 }

@@ -49,6 +49,8 @@ pub struct ViewportState {
     dollied_at: Option<f64>,
     /// When a scroll last orbited, in seconds.
     orbit_scrolled_at: Option<f64>,
+    /// Whether the camera has flown since the right button was pressed.
+    has_flown: bool,
     /// Scales the speed of flight.
     fly_pace: input::Pace,
     gizmo: gizmo::Gizmo,
@@ -177,9 +179,14 @@ impl ViewportContext<'_> {
         self.compared.as_ref().is_none_or(|compared| compared.view != CompareView::SideBySide)
     }
 
-    /// Picks what `camera` sees at a position of the window, in a viewport at `rect` of `size_px` pixels. Locked objects are seen
-    /// through.
+    /// Picks what `camera` sees at a position of the window, in a viewport at `rect` of `size_px` pixels.
     fn picked(&self, camera: &Camera, at: Pos2, rect: Rect, size_px: [u32; 2]) -> Option<Picked> {
+        let scene = (self.mesh?, self.intersector?);
+        pick::pick(scene, self.document.bake.ground, camera, pixel(at, rect, size_px), size_px)
+    }
+
+    /// The same through locked objects, for what a click selects.
+    fn selectable(&self, camera: &Camera, at: Pos2, rect: Rect, size_px: [u32; 2]) -> Option<Picked> {
         let scene = (self.mesh?, self.intersector?);
         let is_locked = |object: u32| self.document.handling_of(object).locked;
         pick::pick_past(scene, self.document.bake.ground, camera, pixel(at, rect, size_px), size_px, is_locked)
@@ -227,7 +234,7 @@ pub fn show(
     if context.placeholder.is_none() {
         input::handle(ui, &response, size_px, state, context, actions);
         dropping::handle(ui, &response, size_px, &mut state.dropping, context, actions);
-        show_menu(&response, size_px, context, actions);
+        show_menu(&response, size_px, state, context, actions);
     } else {
         input::end_gesture(state, actions);
     }
@@ -236,8 +243,18 @@ pub fn show(
 }
 
 /// The menu of a right click, which selects what it hits unless that is selected.
-fn show_menu(response: &Response, size_px: [u32; 2], context: &ViewportContext, actions: &mut Vec<Action>) {
-    let picked = |at: Pos2| context.picked(&context.document.camera, at, response.rect, size_px);
+fn show_menu(
+    response: &Response,
+    size_px: [u32; 2],
+    state: &ViewportState,
+    context: &ViewportContext,
+    actions: &mut Vec<Action>,
+) {
+    // A short flight is no click.
+    if response.secondary_clicked() && state.has_flown {
+        return;
+    }
+    let picked = |at: Pos2| context.selectable(&context.document.camera, at, response.rect, size_px);
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.secondary_clicked()) {
         let object = picked(at).map(|picked| picked.object);
         if !object.is_some_and(|object| context.selected_objects.contains(&object)) {

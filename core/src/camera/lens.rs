@@ -77,6 +77,14 @@ impl Camera {
         self.lens.f_number.map_or(0.0, |f_number| 0.5 * self.focal_length() / f_number)
     }
 
+    /// The camera moved across the view, so that its target is in the middle of a shifted picture.
+    pub fn in_the_middle(self) -> Self {
+        let height = 2.0 * self.eye.distance(self.target) * self.tan_half_fov();
+        let axes = self.world_from_view();
+        let off = height * (self.lens.shift.x * axes.x_axis + self.lens.shift.y * axes.y_axis);
+        Self { eye: self.eye - off, target: self.target - off, ..self }
+    }
+
     /// The pinhole camera at a point of the aperture, in its unit disc, that images the plane of focus alike. All renderers see
     /// through pinholes.
     pub fn through(&self, point: Vec2) -> Self {
@@ -156,6 +164,14 @@ mod tests {
         let pixel = |camera: &Camera| camera.projection([64, 40]).pixel_of(Vec3::new(0.1, 0.4, 0.3)).unwrap().0;
         let moved = pixel(&shifted) - pixel(&straight);
         assert!((moved - Vec2::new(-10.0, 20.0)).length() < 1e-3, "{moved}: the view goes right and up");
+    }
+
+    #[test]
+    fn a_target_comes_to_the_middle_of_a_shifted_picture() {
+        let target = camera().target;
+        let seen = |camera: &Camera| camera.projection([64, 40]).pixel_of(target).unwrap().0;
+        assert!(seen(&camera()).distance(Vec2::new(32.0, 20.0)) > 3.0, "negative control");
+        assert!(seen(&camera().in_the_middle()).distance(Vec2::new(32.0, 20.0)) < 1e-3);
     }
 
     #[test]

@@ -151,6 +151,7 @@ impl EditorState {
             unknown,
             first_view,
         };
+        self.stop_waiting_for_clicks();
         self.pose.forget_document();
         self.interface.scene.forget_document();
         self.lights.forget_document();

@@ -193,7 +193,9 @@ fn show_inspector(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action
         }),
         Inspector::Lights => {
             let suns = suns(state);
-            scrolled(ui, |ui| lights::show(ui, &mut state.lights, &state.work, &state.picture, &suns, actions));
+            let posed = state.pose.posed(&state.work, ui.ctx());
+            let posed = posed.as_ref();
+            scrolled(ui, |ui| lights::show(ui, &mut state.lights, &state.work, posed, &state.picture, &suns, actions));
         }
         Inspector::View => {
             let context = ViewContext { document: &state.work.document, focusing: state.interface.focusing };
@@ -231,11 +233,12 @@ fn show_comparison(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Actio
         BakeStage::Draft => Stage::Draft,
         BakeStage::Whole => Stage::Baked,
     };
+    let (camera, shots) = (&state.work.document.camera, &state.work.document.bake.shots);
     let subject = Subject {
         stage,
         is_baking: state.baking.progress().is_some(),
         can_bake: state.work.scene.source.is_some(),
-        camera: Some(&state.work.document.camera),
+        camera: Some(camera).filter(|camera| !shots.iter().any(|shot| shot.camera == **camera)),
     };
     state.comparison.show(ui, subject, actions);
 }
@@ -282,18 +285,21 @@ fn behind(state: &EditorState) -> Behind {
 }
 
 /// What the next click in the viewport is for.
-fn click_for(state: &EditorState) -> Option<ClickFor> {
+fn click_for(state: &mut EditorState) -> Option<ClickFor> {
     if state.interface.focusing {
         return Some(ClickFor::Focus);
     }
     if state.work.selected_light().is_some() {
+        state.pose.placing_pivot = false;
         return state.lights.aiming.then_some(ClickFor::Aim);
     }
-    let can_place = state.pose.placing_pivot && !state.pose.posable(&state.work).is_empty();
-    can_place.then_some(ClickFor::Pivot)
+    // A wait for what is not selected any more is over.
+    state.pose.placing_pivot &= !state.pose.posable(&state.work).is_empty();
+    state.pose.placing_pivot.then_some(ClickFor::Pivot)
 }
 
 fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) -> ViewportResponse {
+    let click_for = click_for(state);
     let baked = state.work.scene.rendered();
     let posed = state.pose.posed(&state.work, ui.ctx());
     let mesh = posed.as_ref().map(|posed| &posed.dataset.scene.mesh);
@@ -321,7 +327,7 @@ fn show_viewport(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>
         movable: state.pose.movable(&state.work),
         selected_light: state.work.selected_light(),
         shows_lights: state.lights.in_viewport,
-        click_for: click_for(state),
+        click_for,
         baked: state.work.scene.baked_parts(),
         sources: shown.and_then(|s| s.local.sources()),
         shows_clusters: state.lights.shows_clusters,

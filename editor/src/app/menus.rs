@@ -155,7 +155,7 @@ fn edit(ui: &mut Ui, state: &mut EditorState, actions: &mut Vec<Action>) {
     tools(ui, state, actions);
     let has_objects = !state.selected_objects().is_empty();
     entry(ui, state, actions, Command::HideSelection, has_objects);
-    entry(ui, state, actions, Command::Isolate, has_objects || state.pose.is_isolated());
+    entry(ui, state, actions, Command::Isolate, has_objects || !state.pose.isolated(&state.work.document).is_empty());
     let has_hidden = state.work.document.poses.has_hidden();
     entry(ui, state, actions, Command::ShowAll, has_hidden);
     entry(ui, state, actions, Command::SelectNothing, has_light || state.work.selection.object.is_some());

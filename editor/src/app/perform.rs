@@ -40,7 +40,14 @@ impl EditorState {
             Action::Camera(action) => self.perform_camera(ctx, action),
             Action::Look(action) => self.perform_look(ctx, action),
             Action::Select(action) => self.work.perform_select(action),
-            Action::Pose(action) => self.pose.perform(&mut self.work, action),
+            Action::Pose(action) => {
+                if matches!(action, PoseAction::AskForPivot) {
+                    let placing = self.pose.placing_pivot;
+                    self.stop_waiting_for_clicks();
+                    self.pose.placing_pivot = placing;
+                }
+                self.pose.perform(&mut self.work, action);
+            }
             Action::Material(action) => materials::perform(&mut self.work, &mut self.loader, action),
             Action::Light(action) => self.lights.perform(&mut self.work, action),
             Action::Environment(action) => self.environments.perform(&mut self.work, action),
@@ -83,7 +90,11 @@ impl EditorState {
                     ViewSettings { background: BackgroundKind::Picture, backplate, ..self.work.document.view.clone() };
                 self.work.do_step(Edit::View(view), "Background picture");
             }
-            CameraAction::AskForFocus => self.interface.focusing = !self.interface.focusing,
+            CameraAction::AskForFocus => {
+                let focusing = !self.interface.focusing;
+                self.stop_waiting_for_clicks();
+                self.interface.focusing = focusing;
+            }
             CameraAction::Focus(point) => self.focus(point),
             CameraAction::FrameSelection => self.frame_selection(),
             CameraAction::FrameAll => self.frame_all(),
@@ -91,6 +102,11 @@ impl EditorState {
             CameraAction::Copy => self.copy_camera(ctx),
             CameraAction::Paste => self.ask_for_camera(ctx),
         }
+    }
+
+    /// No click is waited for any more.
+    pub(super) fn stop_waiting_for_clicks(&mut self) {
+        (self.interface.focusing, self.pose.placing_pivot, self.lights.aiming) = (false, false, false);
     }
 
     /// Focuses a point before the camera.
@@ -126,6 +142,10 @@ impl EditorState {
         match action {
             ExportAction::Picture(Some(path)) => self.picture.export(&mut self.work, path),
             action => {
+                let is_picture = matches!(action, ExportAction::DescribeSequence | ExportAction::Layers(_));
+                if let Some(problem) = self.picture.backplate.problem(&self.work).filter(|_| is_picture) {
+                    return self.work.messages.error(problem);
+                }
                 let exported = self.exported();
                 self.exporting.perform(&mut self.work, exported, action);
             }

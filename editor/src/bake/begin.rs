@@ -54,7 +54,7 @@ impl Baking {
     fn ask_again(&mut self, work: &mut Workspace, order: BakeOrder) {
         let now = content(work);
         let Some(run) = self.run.as_ref().filter(|_| order.asked_by == Asker::User) else { return };
-        let is_same = now.is_some() && run.content == now;
+        let is_same = now.is_some() && run.content == now && !run.job.is_cancelling();
         if is_same {
             self.again = (run.asked_by == Asker::Nobody).then_some(order);
             return work.messages.note(UNDER_WAY);

@@ -9,7 +9,7 @@ use crate::{
     },
     workspace::{Inspector, Workspace, Written},
 };
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lapidary_core::{
     bounds::Bounds,
     camera::Camera,
@@ -144,7 +144,7 @@ fn save_lights(work: &mut Workspace, path: &Path) {
 fn lit_view(work: &Workspace) -> Camera {
     let camera = work.document.camera.clone();
     let reach = camera.eye.distance(camera.target);
-    let forward = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
+    let forward = camera.direction_through(Vec2::splat(0.5), [1, 1]);
     let intersector = work.scene.rendered().and_then(Baked::intersector_if_ready);
     let seen = intersector.and_then(|i| i.closest_hit(camera.eye, forward)).map(|hit| hit.distance);
     // A backdrop far behind the target is not what the picture is about.

@@ -1,6 +1,6 @@
 //! The picture behind the scene: read beside the window whenever the document names another one.
 
-use crate::workspace::Workspace;
+use crate::{document::BackgroundKind, workspace::Workspace};
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
 use lapidary_render::Backplate;
 use lapidary_studies::{
@@ -60,6 +60,14 @@ impl BackplateShown {
             let _ = sender.send(guarded("the background picture", || backplate::read(&path)));
             wake();
         });
+    }
+
+    /// Why pictures cannot be written yet: the document shows a picture that is not there.
+    pub fn problem(&self, work: &Workspace) -> Option<String> {
+        let view = &work.document.view;
+        let path = view.backplate.as_ref().filter(|_| view.background == BackgroundKind::Picture)?;
+        let text = "the picture behind the scene is not read; try again in a moment, or choose another background";
+        self.shown.is_none().then(|| format!("{text} ({})", path.display()))
     }
 
     /// The picture, for exports.

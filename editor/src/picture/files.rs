@@ -54,6 +54,10 @@ impl Picture {
             work.messages.error("There is no picture to export; open and bake a scene first");
             return;
         }
+        if let Some(problem) = self.backplate.problem(work) {
+            work.messages.error(problem);
+            return;
+        }
         if !work.may_write(&path, Written::Other) {
             return;
         }

@@ -7,7 +7,6 @@ use crate::{
     workspace::Workspace,
 };
 use lapidary_studies::sequence::Spin;
-use std::mem::take;
 
 impl Posing {
     /// The selected objects, if they have handles: none for a ground or a hidden object, or while a light is selected.
@@ -37,18 +36,17 @@ impl Posing {
     /// Shows objects alone, or those again that this hid.
     pub(super) fn isolate(&mut self, work: &mut Workspace, alone: &[u32]) {
         let document = &work.document;
-        let hidden: Vec<u32> = take(&mut self.isolated);
-        let still_hidden: Vec<u32> = hidden.into_iter().filter(|&object| document.poses.of(object).hidden).collect();
-        let (objects, hides) = if still_hidden.is_empty() {
+        let hidden = self.isolated(document).to_vec();
+        let (objects, hides) = if hidden.is_empty() {
             let ground = work.scene.ground_object();
             let is_other =
                 |object: &u32| !alone.contains(object) && Some(*object) != ground && !document.poses.of(*object).hidden;
-            let others: Vec<u32> = (0..document.objects.len() as u32).filter(is_other).collect();
-            self.isolated = if alone.is_empty() { Vec::new() } else { others.clone() };
-            (self.isolated.clone(), true)
+            let others = (0..document.objects.len() as u32).filter(is_other);
+            (if alone.is_empty() { Vec::new() } else { others.collect() }, true)
         } else {
-            (still_hidden, false)
+            (hidden, false)
         };
+        self.isolated = if hides { (objects.clone(), document.objects.clone()) } else { Default::default() };
         if !objects.is_empty() {
             let edit = document.hiding(objects, hides);
             work.do_step(edit, if hides { "Hide" } else { "Show" });

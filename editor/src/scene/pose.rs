@@ -95,7 +95,8 @@ fn rows(ui: &mut Ui, pivot: Pivot, context: &SceneContext, actions: &mut Vec<Act
 
 /// The angle by which the active object is open about its hinge, if it has one.
 fn hinge_row(ui: &mut Ui, pivot: Pivot, context: &SceneContext, actions: &mut Vec<Action>) {
-    let Some(hinge) = context.posable.first().and_then(|active| active.hinge) else { return };
+    let own = context.posable.first().and_then(|active| active.hinge);
+    let Some(hinge) = own.filter(|_| pivot != Pivot::Selection) else { return };
     let angle = Number::new("Hinge", "Turn about the hinge in degrees; 0 as in the scene file.", -180.0..=180.0, 0.0);
     let angle = angle.unit("°", 1);
     pose_row(Tool::Turn, pivot, context, actions, |pose| {

@@ -32,7 +32,7 @@ use drag::Drag;
 use egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Ui};
 use glam::Vec3;
 use handles::{Constraint, Handle};
-use lapidary_core::{ground::Ground, lights::Light};
+use lapidary_core::{camera::Camera, ground::Ground, lights::Light};
 pub use movable::{Movable, Pivot, Subject};
 use object::ObjectHandles;
 pub use paint::paint;
@@ -49,6 +49,8 @@ pub struct Gizmo {
     hot: Option<Hot>,
     /// The place for a pivot under the pointer.
     pivot: Option<PivotPlace>,
+    /// The pointer and the camera for which it was found: that takes a pass over the mesh.
+    pivot_of: Option<(Pos2, Camera)>,
 }
 
 /// The thing under the pointer.
@@ -264,10 +266,15 @@ impl Pass<'_> {
         if any_down || self.view.context.click_for.is_some() { None } else { self.view.hit(pointer) }
     }
 
-    fn pivot_under_pointer(&self) -> Option<PivotPlace> {
+    fn pivot_under_pointer(&mut self) -> Option<PivotPlace> {
         let is_placed = self.view.context.click_for == Some(ClickFor::Pivot) && self.response.contains_pointer();
-        let pointer = self.ui.input(|i| i.pointer.latest_pos()).filter(|_| is_placed)?;
-        PivotPlace::at(&self.view, pointer)
+        let pointer = self.ui.input(|i| i.pointer.latest_pos()).filter(|_| is_placed);
+        let now = pointer.map(|pointer| (pointer, self.view.context.document.camera.clone()));
+        if now != self.gizmo.pivot_of {
+            self.gizmo.pivot_of = now;
+            return PivotPlace::at(&self.view, pointer?);
+        }
+        self.gizmo.pivot.filter(|_| pointer.is_some())
     }
 
     fn cursor(&self) {

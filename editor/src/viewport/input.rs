@@ -138,6 +138,7 @@ impl Pass<'_> {
             end_gesture(self.state, self.actions);
         }
         if self.state.gesture.is_none() {
+            self.state.has_flown &= !self.input(|input| input.pointer.any_pressed());
             self.state.gesture = self.begun();
         }
         let Some(gesture) = self.state.gesture else { return };
@@ -194,6 +195,7 @@ impl Pass<'_> {
         if motion == glam::Vec3::ZERO {
             return;
         }
+        self.state.has_flown = true;
         let speed = FLY_SPEED * self.scene_size() * self.state.fly_pace.0 * if faster { FLY_FASTER } else { 1.0 };
         self.camera = navigation::fly(&self.camera, motion, speed, secs);
         self.ui.request_repaint();
@@ -247,7 +249,7 @@ impl Pass<'_> {
         if alt || !self.response.clicked_by(PointerButton::Primary) {
             return;
         }
-        let picked = self.picked(pointer);
+        let picked = self.context.selectable(&self.camera, pointer, self.response.rect, self.size_px);
         if command {
             self.actions.extend(picked.map(|picked| Action::Select(SelectAction::Toggle(picked.object))));
         } else if !self.response.double_clicked() {

@@ -11,7 +11,7 @@ use crate::{
     },
     jobs::{Imported, kept_bakes::kept_in, opening::bake_beside},
 };
-use lapidary_core::{animation::AnimationError, dataset::Dataset, scene::Scene};
+use lapidary_core::{animation::AnimationError, dataset::Dataset, lights::Light, scene::Scene};
 use std::path::Path;
 
 impl Workspace {
@@ -72,7 +72,8 @@ impl Workspace {
             pictures.for_each(|slot| slot.texture = places.get(slot.texture as usize).copied().unwrap_or(slot.texture));
             changed += 1;
         }
-        let lights = (before.lights != now.lights).then(|| now.lights.clone());
+        let lights =
+            (before.lights != now.lights).then(|| merged_lights(&self.document.lights, &before.lights, &now.lights));
         let light =
             lights.as_ref().map(|lights| LightOfLook { lights: lights.clone(), ..LightOfLook::of(&self.document) });
         let state = LookState { materials: Some(of_file), light, camera: None, view: None };
@@ -114,5 +115,38 @@ impl Workspace {
             self.messages.warning(format!("\"{}\" cannot be shown: {error}", time.clip));
             self.document.clip_time = None;
         }
+    }
+}
+
+/// Lights of a document with those that differ between two versions of the scene file; others keep their edits, and lights that were
+/// added stay.
+fn merged_lights(own: &[Light], before: &[Light], now: &[Light]) -> Vec<Light> {
+    let of_file = now.iter().enumerate().map(|(i, now)| match own.get(i) {
+        Some(own) if before.get(i) == Some(now) => own.clone(),
+        _ => now.clone(),
+    });
+    // Removed by the file, they are gone; added in the window, they follow.
+    of_file.chain(own.iter().skip(before.len()).cloned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lapidary_core::test_scenes;
+
+    #[test]
+    fn a_changed_light_is_taken_and_edits_and_additions_stay() {
+        let light = |name: &str, red: f32| Light {
+            name: name.into(),
+            intensity: glam::Vec3::new(red, 1.0, 1.0),
+            ..test_scenes::light()
+        };
+        let before = [light("key", 1.0), light("fill", 1.0)];
+        let own = [light("key", 1.0), light("fill", 5.0), light("mine", 1.0)];
+        let now = [light("key", 3.0), light("fill", 1.0)];
+        assert_eq!(merged_lights(&own, &before, &now), [light("key", 3.0), light("fill", 5.0), light("mine", 1.0)]);
+        assert_eq!(merged_lights(&own, &before, &now[..1]), [light("key", 3.0), light("mine", 1.0)], "one is gone");
+        let more = [now[0].clone(), now[1].clone(), light("rim", 2.0)];
+        assert_eq!(merged_lights(&own, &before, &more)[2..], [light("rim", 2.0), light("mine", 1.0)]);
     }
 }

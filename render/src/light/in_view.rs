@@ -1,14 +1,23 @@
 //! Whether a light lights anything that a camera sees.
 
 use crate::View;
-use glam::Vec2;
-use lapidary_core::{dataset::Dataset, lights::Light, ray::Intersector};
+use glam::{Quat, Vec2, Vec3};
+use lapidary_core::{
+    camera::Projection,
+    dataset::Dataset,
+    lights::{Emission, Light},
+    ray::Intersector,
+    sphere::fibonacci_directions,
+};
+use std::f32::consts::FRAC_PI_2;
 
 /// Test rays along each side of the picture.
 const RAYS: u32 = 12;
 /// Points of the light by which it is tested.
 const POINTS: [Vec2; 5] =
     [Vec2::splat(0.5), Vec2::new(0.1, 0.1), Vec2::new(0.9, 0.1), Vec2::new(0.1, 0.9), Vec2::new(0.9, 0.9)];
+/// Test rays from a light.
+const FROM_LIGHT: usize = 512;
 /// Offset from a surface, as a share of its distance from the eye.
 const OFF_SURFACE: f32 = 1e-4;
 
@@ -37,15 +46,47 @@ pub fn lights_view(dataset: &Dataset, intersector: &Intersector, light: &Light, 
             return true;
         }
     }
-    !has_surface
+    !has_surface || sees_light_on_a_surface(intersector, light, &projection, size)
 }
+
+/// Whether a ray of the light meets a surface that the camera sees: the pool of a narrow lamp may lie between all rays of the camera.
+fn sees_light_on_a_surface(intersector: &Intersector, light: &Light, projection: &Projection, size: Vec2) -> bool {
+    let Some(rays) = rays_of(light) else { return false };
+    rays.into_iter().any(|direction| {
+        let Some(hit) = intersector.closest_hit(light.position, direction) else { return false };
+        let point = light.position + direction * hit.distance * (1.0 - OFF_SURFACE);
+        let seen = projection.pixel_of(point).map(|(pixel, _)| pixel);
+        seen.is_some_and(|pixel| pixel.cmpge(Vec2::ZERO).all() && pixel.cmplt(size).all())
+            && !intersector.occluded_between(projection.eye, point)
+    })
+}
+
+/// Directions in which a light shines; `None` for parallel light and while it is off.
+fn rays_of(light: &Light) -> Option<Vec<Vec3>> {
+    let most = match light.emission {
+        _ if !light.shines() => return None,
+        Emission::Directional { .. } => return None,
+        Emission::Point => return Some(fibonacci_directions(FROM_LIGHT)),
+        Emission::Spot { cone_degrees, .. } => cone_degrees.to_radians(),
+        Emission::Rectangle { .. } => FRAC_PI_2,
+    };
+    let around = Quat::from_rotation_arc(Vec3::Z, light.forward()?);
+    // Equal solid angles of the cone, along a spiral.
+    let ray = |i: usize| {
+        let cos = 1.0 - (1.0 - most.cos()) * (i as f32 + 0.5) / FROM_LIGHT as f32;
+        let flat = Vec2::from_angle(i as f32 * GOLDEN_ANGLE) * (1.0 - cos * cos).max(0.0).sqrt();
+        around * flat.extend(cos)
+    };
+    Some((0..FROM_LIGHT).map(ray).collect())
+}
+
+/// Turn from a point of a spiral to the next, in radians.
+const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::test_scenes::{dataset, from_above, light, mesh, white};
-    use glam::Vec3;
-    use lapidary_core::lights::Emission;
 
     #[test]
     fn a_light_under_the_floor_or_aimed_away_lights_nothing_in_view() {
@@ -62,6 +103,13 @@ mod tests {
         for emission in [spot, panel] {
             assert!(!lit(at(emission, 3.0, Vec3::new(0.2, 9.0, 0.1))), "aimed at the sky: {emission:?}");
         }
+        let narrow = Emission::Spot { cone_degrees: 0.4, penumbra_degrees: 0.1 };
+        let pool = Light {
+            position: Vec3::new(0.33, 3.0, 1.21),
+            target: Vec3::new(0.33, 0.0, 1.21),
+            ..at(narrow, 3.0, Vec3::ZERO)
+        };
+        assert!(lit(pool), "a pool between the rays of the camera");
         assert!(!lit(Light { enabled: false, ..at(Emission::Point, 3.0, Vec3::ZERO) }));
     }
 }

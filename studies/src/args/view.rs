@@ -104,7 +104,6 @@ struct CameraArgs {
     /// Vertical field of view in degrees, 1 to 170 [default: the camera's; 40 with --eye and --target]
     #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
     fov: Option<f32>,
-
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = values::size)]
     size: [u32; 2],
@@ -209,7 +208,7 @@ impl ViewArgs {
         self.material.apply(&mut dataset.scene, console)?;
         let camera = self.lens.applied(self.camera.resolve(&dataset.scene, &dataset.shot_views())?);
         let view = View {
-            aa: self.camera.aa.unwrap_or(1),
+            aa: self.camera.aa.unwrap_or(camera.lens.least_samples()),
             background: self.camera.background.into(),
             ground: self.camera.ground_of(&dataset, &self.file)?,
             mirrors: !self.camera.no_mirrors,

@@ -9,6 +9,10 @@ const RAYS: u32 = 9;
 
 /// The numbers of the frames most of whose rays meet a surface from behind, where it is not seen.
 pub fn blocked_frames(frames: &[SequenceFrame], baked: &Baked) -> Vec<u32> {
+    // Objects that move from frame to frame count where they are in the first.
+    let moved = frames.first().map(|frame| &frame.look.poses).filter(|poses| !poses.is_empty());
+    let posed = moved.and_then(|poses| baked.posed(poses).ok());
+    let baked = posed.as_ref().unwrap_or(baked);
     let two_sided = &baked.dataset.two_sided;
     let intersector = baked.intersector();
     let is_black = |frame: &&SequenceFrame| {
@@ -29,7 +33,7 @@ pub fn blocked_frames(frames: &[SequenceFrame], baked: &Baked) -> Vec<u32> {
 /// Says so, with a remedy; `None` without such frames.
 pub fn blocked_words(blocked: &[u32], frames: usize) -> Option<String> {
     let (first, last) = (blocked.first()?, blocked.last()?);
-    let which = if first == last { format!("frame {first}") } else { format!("between frames {first} and {last}") };
+    let which = if first == last { format!("frame {first}") } else { format!("from frame {first} to {last}") };
     Some(format!(
         "{} of {frames} frames are black, since the camera is behind a wall ({which}); move it closer, or turn the object instead",
         blocked.len()
@@ -63,7 +67,7 @@ mod tests {
         let outside = orbit(4.0);
         assert_eq!(outside, (1..=8).collect::<Vec<_>>());
         let words = blocked_words(&outside, 8).unwrap();
-        assert!(words.contains("8 of 8") && words.contains("between frames 1 and 8"), "{words}");
+        assert!(words.contains("8 of 8") && words.contains("from frame 1 to 8"), "{words}");
         assert_eq!(blocked_words(&[], 8), None);
     }
 }

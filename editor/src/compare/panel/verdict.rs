@@ -36,7 +36,7 @@ pub struct Subject<'a> {
     pub is_baking: bool,
     /// Whether there is a scene to bake.
     pub can_bake: bool,
-    /// The camera of the picture.
+    /// The camera of the picture, if the bake is not for its view yet.
     pub camera: Option<&'a Camera>,
 }
 
@@ -60,7 +60,7 @@ pub fn show(ui: &mut Ui, panel: &ComparisonPanel, context: &ComparisonContext, a
         };
         let (flip, is_finished) = (measured.metrics.flip, measured.reference.finished);
         ui.label(sentence(panel.kind, flip, is_finished, &context.subject));
-        let Some(remedy) = remedy(panel.kind, flip, &context.subject) else { return };
+        let Some(remedy) = remedy(panel.kind, flip, is_finished, &context.subject) else { return };
         let (label, help) = match remedy {
             Remedy::BakeNow => ("Bake now", "Bakes the scene as it is shown"),
             Remedy::BakeForView => (
@@ -102,13 +102,13 @@ fn sentence(kind: KindChoice, flip: f64, is_finished: bool, subject: &Subject) -
     }
 }
 
-/// What to do about it; nothing while a bake runs, or if the picture is right.
-fn remedy(kind: KindChoice, flip: f64, subject: &Subject) -> Option<Remedy> {
-    if kind == KindChoice::Look || subject.is_baking || !subject.can_bake {
+/// What to do about it; nothing while a bake runs, or if the picture is right. A picture of another program may differ for any reason.
+fn remedy(kind: KindChoice, flip: f64, is_finished: bool, subject: &Subject) -> Option<Remedy> {
+    if matches!(kind, KindChoice::Look | KindChoice::File) || subject.is_baking || !subject.can_bake {
         return None;
     }
     match subject.stage {
-        Stage::Baked => (flip >= UNSEEN).then_some(Remedy::BakeForView),
+        Stage::Baked => (is_finished && flip >= UNSEEN && subject.camera.is_some()).then_some(Remedy::BakeForView),
         Stage::Unshadowed | Stage::Draft | Stage::Moved => Some(Remedy::BakeNow),
     }
 }
@@ -116,16 +116,19 @@ fn remedy(kind: KindChoice, flip: f64, subject: &Subject) -> Option<Remedy> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
+    use std::sync::LazyLock;
 
     const FINISHED: bool = true;
 
     fn subject(stage: Stage, is_baking: bool) -> Subject<'static> {
-        Subject { stage, is_baking, can_bake: true, camera: None }
+        static CAMERA: LazyLock<Camera> = LazyLock::new(|| Camera::look_at(Vec3::Z, Vec3::ZERO, 40.0));
+        Subject { stage, is_baking, can_bake: true, camera: Some(&CAMERA) }
     }
 
     fn said(flip: f64, subject: Subject) -> (String, Option<Remedy>) {
         let kind = KindChoice::Samples;
-        (sentence(kind, flip, FINISHED, &subject), remedy(kind, flip, &subject))
+        (sentence(kind, flip, FINISHED, &subject), remedy(kind, flip, FINISHED, &subject))
     }
 
     #[test]
@@ -148,6 +151,11 @@ mod tests {
         assert!(baked(0.2).0.contains("large differences"));
         let opened = Subject { can_bake: false, ..subject(Stage::Baked, false) };
         assert_eq!(said(0.2, opened).1, None, "a dataset alone cannot be baked");
+        let for_view = Subject { camera: None, ..subject(Stage::Baked, false) };
+        assert_eq!(said(0.2, for_view).1, None, "it was baked for this view");
+        let noisy = super::remedy(KindChoice::Paths, 0.2, !FINISHED, &subject(Stage::Baked, false));
+        assert_eq!(noisy, None, "the noise is the reference's");
+        assert_eq!(super::remedy(KindChoice::File, 0.2, FINISHED, &subject(Stage::Baked, false)), None);
     }
 
     #[test]
@@ -156,7 +164,7 @@ mod tests {
         let words = sentence(KindChoice::Paths, 0.02, !FINISHED, &draft);
         assert!(words.contains("moved objects") && words.contains("so far"), "{words}");
         assert_eq!(sentence(KindChoice::Look, 0.02, FINISHED, &draft), "Two looks: small differences.");
-        assert_eq!(remedy(KindChoice::Look, 0.2, &draft), None);
+        assert_eq!(remedy(KindChoice::Look, 0.2, FINISHED, &draft), None);
         assert!(said(0.2, subject(Stage::Unshadowed, false)).0.contains("preview"), "negative control");
     }
 }

@@ -24,6 +24,9 @@ use lapidary_core::{
     lights::{Emission, Light},
 };
 
+/// The faintest light in stops.
+const LEAST_STOPS: f32 = -30.0;
+
 /// Shows the light and its tools.
 pub fn show(
     ui: &mut Ui,
@@ -36,7 +39,7 @@ pub fn show(
     let mut rows = Rows { ui, index, light, unit: state.unit, actions };
     rows.kind();
     rows.color();
-    // The unit is a preference of the window, without undo.
+    // The unit is state of the window, without undo.
     let _ = combo_row(rows.ui, "Unit", "Unit of the intensity.", &mut state.unit, &IntensityUnit::CHOICES);
     rows.shape();
     rows.place();
@@ -117,9 +120,11 @@ impl Rows<'_> {
         let help = format!("In {}, of the brightest color channel.", unit.label(of));
         let shown = unit.of(intensity, of);
         if unit == IntensityUnit::Stops {
-            let stops = Number::new("Intensity", &help, -10.0..=20.0, shown).entry(-30.0..=30.0).unit(" EV", 2);
+            let stops = Number::new("Intensity", &help, -10.0..=20.0, shown.max(LEAST_STOPS))
+                .entry(LEAST_STOPS..=29.0)
+                .unit(" EV", 2);
             self.row("Light intensity", |ui, light| {
-                let mut value = shown.max(-30.0);
+                let mut value = shown.max(LEAST_STOPS);
                 let edited = slider_row(ui, &stops, &mut value);
                 if edited.changed {
                     light.intensity = unit.intensity(value, of) * color;

@@ -1,7 +1,7 @@
 //! The edge of a mesh under the pointer, on which a pivot can be placed.
 
 use super::{handles::distance_to_segment, projection::Projection};
-use egui::Pos2;
+use egui::{Pos2, Rect};
 use glam::Vec3;
 use lapidary_core::scene::Mesh;
 use std::collections::HashMap;
@@ -23,9 +23,12 @@ pub fn edge_at(
     is_shown: impl Fn(usize) -> bool,
 ) -> Option<[Vec3; 2]> {
     let mut sides: HashMap<[[u32; 3]; 2], Sides> = HashMap::new();
-    // All triangles along an edge under the pointer are themselves under it, so that none is missed.
+    // Both sides of an edge near the pointer are near it, so that both are found.
     for triangle in (0..mesh.triangles.len()).filter(|&triangle| is_shown(triangle)) {
         let corners = mesh.corners(triangle);
+        if !is_near(projection, corners, pointer) {
+            continue;
+        }
         let Some(normal) = mesh.area_vector(triangle).try_normalize() else { continue };
         for ends in [[corners[0], corners[1]], [corners[1], corners[2]], [corners[2], corners[0]]] {
             let Some([a, b]) = projection.segment(ends[0], ends[1]) else { continue };
@@ -40,6 +43,13 @@ pub fn edge_at(
     let is_seen = |edge: &Sides| depth.is_none_or(|depth| nearest(edge) < depth * (1.0 + HIDDEN));
     let seen = sides.into_values().filter(|edge| edge.is_sharp() && is_seen(edge));
     seen.min_by(|a, b| a.distance.total_cmp(&b.distance)).map(|edge| edge.ends)
+}
+
+/// Whether the box around a triangle's picture is near the pointer; true where a corner is behind the eye.
+fn is_near(projection: &Projection, corners: [Vec3; 3], pointer: Pos2) -> bool {
+    let [Some(a), Some(b), Some(c)] = corners.map(|corner| projection.point(corner)) else { return true };
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    Rect::from_min_max(low, high).expand(REACH).contains(pointer)
 }
 
 /// The same for the triangles on both sides of an edge, whose vertices may be stored twice.
@@ -60,10 +70,9 @@ struct Sides {
 
 impl Sides {
     fn is_sharp(&self) -> bool {
-        match self.normals[..] {
-            [a, b] => a.dot(b).abs() < SMOOTH,
-            // A border, or more than two sides.
-            _ => true,
-        }
+        // A thin sheet has triangles for both of its sides: each side is looked at alone.
+        let Some(&first) = self.normals.first() else { return false };
+        let side: Vec<Vec3> = self.normals.iter().copied().filter(|normal| normal.dot(first) > 0.0).collect();
+        side.len() == 1 || side.iter().any(|normal| normal.dot(first) < SMOOTH)
     }
 }

@@ -51,10 +51,9 @@ impl PivotPlace {
 
 fn edge_under(view: &View, mesh: &Mesh, pointer: Pos2, picked: Option<Picked>) -> Option<[Vec3; 2]> {
     let depth = picked.map(|picked| view.projection.depth(picked.position));
-    let is_shown = |triangle: usize| {
-        let object = mesh.triangle_object[triangle];
-        !mesh.is_ground(triangle as u32) && !view.context.document.poses.of(object).hidden
-    };
+    let hidden: Vec<u32> = view.context.document.poses.hidden().collect();
+    let is_shown =
+        |triangle: usize| !mesh.is_ground(triangle as u32) && !hidden.contains(&mesh.triangle_object[triangle]);
     edge_at(mesh, &view.projection, pointer, depth, is_shown)
 }
 

@@ -13,6 +13,8 @@ type Shot = Arc<Mutex<Option<Vec3>>>;
 #[derive(Clone)]
 struct Waiting {
     picker: Id,
+    /// The last pass in which its row was shown.
+    served: u64,
     /// The color, once the click has asked for it.
     shot: Option<Shot>,
 }
@@ -23,12 +25,18 @@ fn id() -> Id {
 
 /// Waits for a click on behalf of a picker.
 pub fn begin(ctx: &Context, picker: Id) {
-    ctx.data_mut(|data| data.insert_temp(id(), Waiting { picker, shot: None }));
+    ctx.data_mut(|data| data.insert_temp(id(), Waiting { picker, served: ctx.cumulative_pass_nr(), shot: None }));
 }
 
 /// The color that was clicked for this picker; call it in each frame in which the picker is shown.
 pub fn picked(ctx: &Context, picker: Id) -> Option<Vec3> {
     let waiting = ctx.data(|data| data.get_temp::<Waiting>(id())).filter(|waiting| waiting.picker == picker)?;
+    let now = ctx.cumulative_pass_nr();
+    // Its row was gone for a while: nobody waits any more.
+    if now > waiting.served + 2 && waiting.shot.is_none() {
+        ctx.data_mut(|data| data.remove::<Waiting>(id()));
+        return None;
+    }
     match waiting.shot {
         Some(shot) => {
             let color = shot.lock().unwrap_or_else(PoisonError::into_inner).take()?;
@@ -36,6 +44,7 @@ pub fn picked(ctx: &Context, picker: Id) -> Option<Vec3> {
             Some(color)
         }
         None => {
+            ctx.data_mut(|data| data.insert_temp(id(), Waiting { picker, served: now, shot: None }));
             wait_for_click(ctx, picker);
             None
         }
@@ -61,7 +70,9 @@ fn wait_for_click(ctx: &Context, picker: Id) {
     hint.galley(back.min + vec2(8.0, 4.0), galley, Color32::WHITE);
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {
         let shot = Shot::default();
-        ctx.data_mut(|data| data.insert_temp(id(), Waiting { picker, shot: Some(shot.clone()) }));
+        ctx.data_mut(|data| {
+            data.insert_temp(id(), Waiting { picker, served: ctx.cumulative_pass_nr(), shot: Some(shot.clone()) })
+        });
         let (scale, wake) = (ctx.pixels_per_point(), ctx.clone());
         ctx.request_screenshot(move |image| {
             *shot.lock().unwrap_or_else(PoisonError::into_inner) = color_at(&image, at, scale);

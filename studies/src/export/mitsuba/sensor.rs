@@ -5,7 +5,11 @@
 
 use super::{MitsubaScene, xml};
 use glam::Vec2;
-use lapidary_core::{bounds::Bounds, camera::Camera, ground::Ground};
+use lapidary_core::{
+    bounds::Bounds,
+    camera::{Camera, Lens},
+    ground::Ground,
+};
 use lapidary_render::{Appearance, Background, View, has_mirrors};
 
 /// Values that `mitsuba -D` or `mi.load_file` may set.
@@ -79,14 +83,14 @@ fn aperture(camera: &Camera) -> String {
     radius + &xml::value("float", "focus_distance", camera.focus_distance())
 }
 
-/// The shift, which Mitsuba measures in widths and heights of the film, and which moves the film.
+/// The shift of a pinhole, in widths and heights of the film: Mitsuba adds it to positions on the film, to the right and down.
 fn shift(view: &View) -> String {
-    let (shift, [width, height]) = (view.camera.lens.shift, view.size);
-    if shift == Vec2::ZERO {
+    let (Lens { shift, f_number, .. }, [width, height]) = (view.camera.lens, view.size);
+    if shift == Vec2::ZERO || f_number.is_some() {
         return String::new();
     }
     let across = shift.x * height as f32 / width.max(1) as f32;
-    xml::value("float", "principal_point_offset_x", -across) + &xml::value("float", "principal_point_offset_y", shift.y)
+    xml::value("float", "principal_point_offset_x", across) + &xml::value("float", "principal_point_offset_y", -shift.y)
 }
 
 /// Differences of view and path length in Mitsuba.
@@ -99,8 +103,10 @@ pub fn remarks(scene: &MitsubaScene) -> Vec<String> {
     let is_ground = scene.dataset.scene.mesh.ground.is_some() && view.ground != Ground::On;
     let is_mixed = shines && (scene.environment.is_some() || !scene.lights.is_empty());
     let mirrors = || has_mirrors(&Appearance::of(&scene.dataset.scene), scene.dataset);
+    let is_shifted = view.camera.lens.f_number.is_some() && view.camera.lens.shift != Vec2::ZERO;
     let is_mirrored = view.mirrors && scene.bounces < 2 && mirrors();
     [
+        (is_shifted, "Mitsuba shifts no picture of an open lens: leave out the shift, or the f-number"),
         (is_mirrored, "mirrors show the scene in Mitsuba by bounces of light: choose two or more, and all surfaces bounce"),
         (is_blurred, "Mitsuba shows no blurred background: it is black there"),
         (
