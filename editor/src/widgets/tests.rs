@@ -191,7 +191,7 @@ fn picking(color: Vec3) -> Harness<'static, Probe> {
 fn hue_saturation_and_value_are_those_of_the_color_as_displayed() {
     let mut harness = picking(linear_from_hex("#804020").unwrap());
     let number = |harness: &Harness<Probe>, name| harness.get_by_label(name).value().unwrap();
-    assert_eq!(["Hue", "Saturation", "Value"].map(|name| number(&harness, name)), ["20°", "75 %", "50.2 %"]);
+    assert_eq!(["Hue", "Saturation", "Value"].map(|name| number(&harness, name)), ["20°", "75.0 %", "50.2 %"]);
     harness.get_by_label("Hue").click();
     harness.run();
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);

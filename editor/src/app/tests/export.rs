@@ -135,9 +135,7 @@ fn without_a_scene_there_is_nothing_to_export() {
 #[test]
 fn a_picture_lies_behind_the_scene_in_the_window_and_in_files_and_a_bad_one_is_told() {
     let place = Place::new();
-    place.bake();
-    let mut window = place.window();
-    window.open(&place.path("scene.cuts"));
+    let mut window = opened(&place);
     let red = place.path("red.png");
     image::write(&lapidary_core::image::Image::filled([8, 4], glam::Vec3::X), &red).unwrap();
     window.perform(Action::Camera(CameraAction::Backplate(Some(red.clone()))));

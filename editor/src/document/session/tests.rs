@@ -101,7 +101,6 @@ impl Project {
         document.view = ViewSettings {
             post: Post { exposure: -0.3, tone_map: ToneMap::AgX, vignette: 0.4 },
             background: BackgroundKind::Blurred,
-            backplate: Some(self.path("maps/linen.png")),
             aspect: Some(2.0),
             illum_cut: 400,
             tau: 0.02,
@@ -296,7 +295,10 @@ fn locks_and_pivots_survive_the_disk_and_follow_their_objects() {
 #[test]
 fn the_file_has_relative_paths_degrees_and_short_numbers() {
     let project = Project::new();
-    project.reloaded(&project.document());
+    let mut document = project.document();
+    document.view.backplate = Some(project.path("maps/linen.png"));
+    let (read, _) = project.reloaded(&document).into_document(Some(&project.dataset.scene));
+    assert_eq!(read.view, document.view);
     let json = project.json();
     assert_eq!((&json["lapidary_session"], &json["scene"]), (&json!(2), &json!("../a.gltf")));
     assert_eq!(json["environment"]["spec"], "../maps/room.hdr");

@@ -75,7 +75,7 @@ fn sensor(scene: &MitsubaScene) -> String {
 }
 
 /// Radius of the aperture and distance in focus, in meters.
-fn aperture(camera: &Camera) -> String {
+pub fn aperture(camera: &Camera) -> String {
     if camera.lens.f_number.is_none() {
         return String::new();
     }
@@ -84,7 +84,7 @@ fn aperture(camera: &Camera) -> String {
 }
 
 /// The shift of a pinhole, in widths and heights of the film: Mitsuba adds it to positions on the film, to the right and down.
-fn shift(view: &View) -> String {
+pub fn shift(view: &View) -> String {
     let (Lens { shift, f_number, .. }, [width, height]) = (view.camera.lens, view.size);
     if shift == Vec2::ZERO || f_number.is_some() {
         return String::new();

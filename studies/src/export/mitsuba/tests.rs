@@ -4,6 +4,7 @@ use super::*;
 use glam::{Vec2, Vec3};
 use lapidary_core::{
     brdf::{GgxParameters, Parameters},
+    camera::{Camera, Lens},
     environment::{Environment, direction_from_uv},
     image::Image,
     lights::Emission,
@@ -214,4 +215,36 @@ fn values_that_a_model_does_not_have_are_not_written() {
     assert_eq!(of(stale, &mut writer), of(Parameters::default(), &mut writer));
     let own = Parameters::default().with("roughness", 0.75);
     assert_ne!(of(own, &mut writer).0, of(Parameters::default(), &mut writer).0, "negative control");
+}
+
+#[test]
+fn a_lens_has_the_radius_and_focus_of_its_camera_and_a_shift_moves_positions_on_the_film() {
+    let value = |text: &str, name: &str| -> Option<f32> {
+        let after = text.split(&format!("name=\"{name}\" value=\"")).nth(1)?;
+        after.split('"').next()?.parse().ok()
+    };
+    let pinhole = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 40.0);
+    let open = Lens { f_number: Some(2.0), focus: Some(3.0), ..Lens::default() };
+    let text = sensor::aperture(&Camera { lens: open, ..pinhole.clone() });
+    let radius = 0.012 / 20_f32.to_radians().tan() / 2.0 / 2.0;
+    assert!((value(&text, "aperture_radius").unwrap() / radius - 1.0).abs() < 1e-4, "{text}");
+    assert_eq!(value(&text, "focus_distance"), Some(3.0));
+    assert_eq!(
+        (sensor::aperture(&pinhole), sensor::shift(&View::new(pinhole.clone(), [200, 100]))),
+        Default::default()
+    );
+    let shifted = Camera { lens: Lens { shift: Vec2::new(0.1, 0.3), ..Lens::default() }, ..pinhole };
+    let view = View::new(shifted.clone(), [200, 100]);
+    let text = sensor::shift(&view);
+    let offset = [value(&text, "principal_point_offset_x").unwrap(), value(&text, "principal_point_offset_y").unwrap()];
+    // Mitsuba casts the ray of a place on the film plus this offset, both in its widths and heights (`perspective.cpp`).
+    let straight = Camera { lens: Lens::default(), ..shifted }.projection(view.size);
+    for share in [Vec2::new(0.5, 0.5), Vec2::new(0.2, 0.9)] {
+        let size = Vec2::new(200.0, 100.0);
+        let (ours, theirs) =
+            (view.projection().ray(share * size).1, straight.ray((share + Vec2::from(offset)) * size).1);
+        assert!(ours.distance(theirs) < 1e-5, "{share}: {ours} {theirs}");
+    }
+    let both = View { camera: Camera { lens: Lens { shift: Vec2::X, ..open }, ..view.camera.clone() }, ..view };
+    assert_eq!(sensor::shift(&both), "", "a thin lens of Mitsuba has none, and a remark says so");
 }
