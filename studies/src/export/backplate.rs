@@ -34,7 +34,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (png, exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));
         for path in [&png, &exr] {
-            image::write(&Image::filled([3, 2], Vec3::splat(0.214_041)), path).unwrap();
+            image::write(&Image::filled([3, 2], Vec3::splat(0.215_860_5)), path).unwrap();
             let plate = read(path).unwrap();
             assert_eq!((plate.size(), plate.pixels()[0]), ([3, 2], [128; 3]), "{}", path.display());
         }
