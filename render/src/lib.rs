@@ -65,7 +65,7 @@ pub use light::{
         detail::ImplicitDetail,
         seen::{CoreSight, LeafSight},
     },
-    in_view::lights_view,
+    in_view::{lights_view, shows_light},
     local::{LocalLighting, LocalRig},
     situation::{Changes, Gathering, Relight, Situation},
     solver::{BounceLight, solutions::Solution},

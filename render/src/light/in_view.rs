@@ -1,11 +1,12 @@
-//! Whether a light lights anything that a camera sees.
+//! Whether a light lights anything that a camera sees, and whether a picture shows any light.
 
-use crate::View;
+use crate::{Background, Baked, Look, View};
 use glam::{Quat, Vec2, Vec3};
 use lapidary_core::{
     camera::Projection,
     dataset::Dataset,
     lights::{Emission, Light},
+    material::Material,
     ray::Intersector,
     sphere::fibonacci_directions,
 };
@@ -16,37 +17,86 @@ const RAYS: u32 = 12;
 /// Points of the light by which it is tested.
 const POINTS: [Vec2; 5] =
     [Vec2::splat(0.5), Vec2::new(0.1, 0.1), Vec2::new(0.9, 0.1), Vec2::new(0.1, 0.9), Vec2::new(0.9, 0.9)];
+/// Test directions toward the sky.
+const SKY: usize = 32;
 /// Test rays from a light.
 const FROM_LIGHT: usize = 512;
 /// Offset from a surface, as a share of its distance from the eye.
 const OFF_SURFACE: f32 = 1e-4;
 
+/// Surfaces that the camera sees on a grid of the picture: places just before them, and unit normals toward the eye. Backs of one-sided
+/// surfaces are black, and left out.
+struct Seen {
+    surfaces: Vec<(Vec3, Vec3)>,
+    /// Whether a ray meets nothing.
+    background: bool,
+}
+
+impl Seen {
+    fn of(dataset: &Dataset, intersector: &Intersector, view: &View) -> Self {
+        let projection = view.projection();
+        let size = Vec2::new(view.size[0] as f32, view.size[1] as f32);
+        let mut seen = Self { surfaces: Vec::new(), background: false };
+        for ray in 0..RAYS * RAYS {
+            let share = Vec2::new((ray % RAYS) as f32 + 0.5, (ray / RAYS) as f32 + 0.5) / RAYS as f32;
+            let (origin, direction) = projection.ray(share * size);
+            let Some(hit) = intersector.closest_hit(origin, direction) else {
+                seen.background = true;
+                continue;
+            };
+            if hit.back_face && !dataset.two_sided[hit.triangle as usize] {
+                continue;
+            }
+            let normal = dataset.scene.mesh.area_vector(hit.triangle as usize).normalize_or_zero();
+            let normal = normal * -normal.dot(direction).signum();
+            seen.surfaces.push((origin + direction * hit.distance + normal * (OFF_SURFACE * hit.distance), normal));
+        }
+        seen
+    }
+
+    fn is_lit_by(&self, intersector: &Intersector, light: &Light) -> bool {
+        let sampler = light.sampler();
+        self.surfaces.iter().any(|&(point, normal)| {
+            POINTS.iter().any(|&u| {
+                let Some(sample) = sampler.sample(point, u) else { return false };
+                let is_before = sample.direction.dot(normal) > 0.0;
+                is_before && !intersector.occluded_before(point, sample.direction, sample.distance)
+            })
+        })
+    }
+
+    fn sees_the_sky(&self, intersector: &Intersector) -> bool {
+        let directions = fibonacci_directions(SKY);
+        self.surfaces.iter().any(|&(point, normal)| {
+            directions.iter().any(|&direction| direction.dot(normal) > 0.0 && !intersector.occluded(point, direction))
+        })
+    }
+}
+
 /// Whether some light of `light` arrives at a surface in a view; `intersector` is built from the dataset's mesh. Views of the
 /// background alone count as lit.
 pub fn lights_view(dataset: &Dataset, intersector: &Intersector, light: &Light, view: &View) -> bool {
-    let projection = view.projection();
+    let seen = Seen::of(dataset, intersector, view);
     let size = Vec2::new(view.size[0] as f32, view.size[1] as f32);
-    let mesh = &dataset.scene.mesh;
-    let sampler = light.sampler();
-    let mut has_surface = false;
-    for ray in 0..RAYS * RAYS {
-        let share = Vec2::new((ray % RAYS) as f32 + 0.5, (ray / RAYS) as f32 + 0.5) / RAYS as f32;
-        let (origin, direction) = projection.ray(share * size);
-        let Some(hit) = intersector.closest_hit(origin, direction) else { continue };
-        let normal = mesh.area_vector(hit.triangle as usize).normalize_or_zero();
-        let normal = normal * -normal.dot(direction).signum();
-        let point = origin + direction * hit.distance + normal * (OFF_SURFACE * hit.distance);
-        has_surface = true;
-        let arrives = |u: &Vec2| {
-            let Some(sample) = sampler.sample(point, *u) else { return false };
-            let is_before = sample.direction.dot(normal) > 0.0;
-            is_before && !intersector.occluded_before(point, sample.direction, sample.distance)
-        };
-        if POINTS.iter().any(arrives) {
-            return true;
-        }
-    }
-    !has_surface || sees_light_on_a_surface(intersector, light, &projection, size)
+    let is_lit =
+        || seen.is_lit_by(intersector, light) || sees_light_on_a_surface(intersector, light, &view.projection(), size);
+    if seen.surfaces.is_empty() { seen.background } else { is_lit() }
+}
+
+/// Whether a picture of a look shows any light: a background, or a surface that the environment or a lamp reaches, or one that shines.
+/// Without, as behind a wall, it is black.
+pub fn shows_light(baked: &Baked, look: &Look) -> bool {
+    let (dataset, intersector) = (&baked.dataset, baked.intersector());
+    let seen = Seen::of(dataset, intersector, &look.view);
+    let has_sky = look.components.environment;
+    let is_behind = match look.view.background {
+        Background::Environment | Background::Blurred(_) => has_sky,
+        Background::Flat(color) => color != Vec3::ZERO,
+        Background::Transparent => true,
+    };
+    let lamps = || look.components.direct && look.lights.iter().any(|light| seen.is_lit_by(intersector, light));
+    let shines = || look.components.direct && look.appearance.materials.iter().any(Material::shines);
+    seen.background && is_behind || has_sky && seen.sees_the_sky(intersector) || lamps() || shines()
 }
 
 /// Whether a ray of the light meets a surface that the camera sees: the pool of a narrow lamp may lie between all rays of the camera.
