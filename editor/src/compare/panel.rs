@@ -317,10 +317,11 @@ fn reference(ui: &mut Ui, panel: &mut ComparisonPanel, actions: &mut Vec<Action>
         }
     });
     combo.response.on_hover_text("Reference to compare with").accessible_name("Reference");
-    if panel.kind == KindChoice::File {
-        if ui.button(file_name(panel.file.as_deref())).on_hover_text("Choose another picture").clicked() {
-            actions.push(Action::Compare(CompareAction::Reference(None)));
-        }
+    if panel.kind != KindChoice::File {
+        return;
+    }
+    if ui.button(file_name(panel.file.as_deref())).on_hover_text("Choose another picture").clicked() {
+        actions.push(Action::Compare(CompareAction::Reference(None)));
     }
 }
 

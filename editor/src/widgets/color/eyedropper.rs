@@ -25,7 +25,11 @@ fn id() -> Id {
 
 /// Waits for a click on behalf of a picker.
 pub fn begin(ctx: &Context, picker: Id) {
-    ctx.data_mut(|data| data.insert_temp(id(), Waiting { picker, served: ctx.cumulative_pass_nr(), shot: None }));
+    wait(ctx, Waiting { picker, served: ctx.cumulative_pass_nr(), shot: None });
+}
+
+fn wait(ctx: &Context, waiting: Waiting) {
+    ctx.data_mut(|data| data.insert_temp(id(), waiting));
 }
 
 /// The color that was clicked for this picker; call it in each frame in which the picker is shown.
@@ -44,7 +48,7 @@ pub fn picked(ctx: &Context, picker: Id) -> Option<Vec3> {
             Some(color)
         }
         None => {
-            ctx.data_mut(|data| data.insert_temp(id(), Waiting { picker, served: now, shot: None }));
+            wait(ctx, Waiting { picker, served: now, shot: None });
             wait_for_click(ctx, picker);
             None
         }
@@ -70,9 +74,7 @@ fn wait_for_click(ctx: &Context, picker: Id) {
     hint.galley(back.min + vec2(8.0, 4.0), galley, Color32::WHITE);
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {
         let shot = Shot::default();
-        ctx.data_mut(|data| {
-            data.insert_temp(id(), Waiting { picker, served: ctx.cumulative_pass_nr(), shot: Some(shot.clone()) })
-        });
+        wait(ctx, Waiting { picker, served: ctx.cumulative_pass_nr(), shot: Some(shot.clone()) });
         let (scale, wake) = (ctx.pixels_per_point(), ctx.clone());
         ctx.request_screenshot(move |image| {
             *shot.lock().unwrap_or_else(PoisonError::into_inner) = color_at(&image, at, scale);
