@@ -1,6 +1,6 @@
 //! Whether a light lights anything that a camera sees, and whether a picture shows any light.
 
-use crate::{Background, Baked, Look, View};
+use crate::{Background, Baked, Illumination, Look, View};
 use glam::{Quat, Vec2, Vec3};
 use lapidary_core::{
     camera::Projection,
@@ -24,10 +24,18 @@ const FROM_LIGHT: usize = 512;
 /// Offset from a surface, as a share of its distance from the eye.
 const OFF_SURFACE: f32 = 1e-4;
 
-/// Surfaces that the camera sees on a grid of the picture: places just before them, and unit normals toward the eye. Backs of one-sided
-/// surfaces are black, and left out.
+/// A surface that the camera sees.
+struct SeenSurface {
+    triangle: usize,
+    /// A place just before it, in meters.
+    point: Vec3,
+    /// Its unit normal toward the eye.
+    normal: Vec3,
+}
+
+/// What the camera sees on a grid of the picture. Backs of one-sided surfaces are black, and left out.
 struct Seen {
-    surfaces: Vec<(Vec3, Vec3)>,
+    surfaces: Vec<SeenSurface>,
     /// Whether a ray meets nothing.
     background: bool,
 }
@@ -49,14 +57,15 @@ impl Seen {
             }
             let normal = dataset.scene.mesh.area_vector(hit.triangle as usize).normalize_or_zero();
             let normal = normal * -normal.dot(direction).signum();
-            seen.surfaces.push((origin + direction * hit.distance + normal * (OFF_SURFACE * hit.distance), normal));
+            let point = origin + direction * hit.distance + normal * (OFF_SURFACE * hit.distance);
+            seen.surfaces.push(SeenSurface { triangle: hit.triangle as usize, point, normal });
         }
         seen
     }
 
     fn is_lit_by(&self, intersector: &Intersector, light: &Light) -> bool {
         let sampler = light.sampler();
-        self.surfaces.iter().any(|&(point, normal)| {
+        self.surfaces.iter().any(|&SeenSurface { point, normal, .. }| {
             POINTS.iter().any(|&u| {
                 let Some(sample) = sampler.sample(point, u) else { return false };
                 let is_before = sample.direction.dot(normal) > 0.0;
@@ -67,7 +76,7 @@ impl Seen {
 
     fn sees_the_sky(&self, intersector: &Intersector) -> bool {
         let directions = fibonacci_directions(SKY);
-        self.surfaces.iter().any(|&(point, normal)| {
+        self.surfaces.iter().any(|&SeenSurface { point, normal, .. }| {
             directions.iter().any(|&direction| direction.dot(normal) > 0.0 && !intersector.occluded(point, direction))
         })
     }
@@ -88,14 +97,22 @@ pub fn lights_view(dataset: &Dataset, intersector: &Intersector, light: &Light, 
 pub fn shows_light(baked: &Baked, look: &Look) -> bool {
     let (dataset, intersector) = (&baked.dataset, baked.intersector());
     let seen = Seen::of(dataset, intersector, &look.view);
-    let has_sky = look.components.environment;
+    let Illumination { environment, intensity, .. } = &look.illumination;
+    let shines_above = *intensity > 0.0 && environment.map.pixels.iter().any(|pixel| pixel.max_element() > 0.0);
+    let has_sky = look.components.environment && shines_above;
     let is_behind = match look.view.background {
         Background::Environment | Background::Blurred(_) => has_sky,
         Background::Flat(color) => color != Vec3::ZERO,
         Background::Transparent => true,
     };
     let lamps = || look.components.direct && look.lights.iter().any(|light| seen.is_lit_by(intersector, light));
-    let shines = || look.components.direct && look.appearance.materials.iter().any(Material::shines);
+    let material = |triangle: usize| {
+        let own = dataset.scene.mesh.triangle_material[triangle];
+        let index = look.appearance.assigned.as_ref().map_or(own, |assigned| assigned[triangle]);
+        look.appearance.materials.get(index as usize)
+    };
+    let is_bright = |surface: &SeenSurface| material(surface.triangle).is_some_and(Material::shines);
+    let shines = || look.components.direct && seen.surfaces.iter().any(is_bright);
     seen.background && is_behind || has_sky && seen.sees_the_sky(intersector) || lamps() || shines()
 }
 

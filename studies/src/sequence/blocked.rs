@@ -37,7 +37,7 @@ mod tests {
         lights::{Emission, Light},
         test_scenes::{self, scene_of},
     };
-    use lapidary_render::test_looks::look;
+    use lapidary_render::{Look, test_looks::look};
 
     #[test]
     fn frames_behind_a_wall_are_told_and_those_inside_the_room_are_not() {
@@ -49,14 +49,19 @@ mod tests {
         look.view.camera.target = Vec3::ZERO;
         look.components.environment = false;
         look.lights = [Light { emission: Emission::Point, position: Vec3::Y, ..look.lights[0].clone() }].into();
-        let mut orbit = |distance: f32| {
+        let frames = |look: &Look, distance: f32| {
+            let mut look = look.clone();
             look.view.camera.eye = look.view.camera.target + distance * Vec3::Z;
             let settings = SequenceSettings { turn: Some(Turn::Camera), frames: 8, ..Default::default() };
             blocked_frames(&plan(&look, &settings).unwrap(), &baked)
         };
-        assert_eq!(orbit(0.5), [0; 0], "negative control: in the room");
-        let outside = orbit(4.0);
+        assert_eq!(frames(&look, 0.5), [0; 0], "negative control: in the room");
+        let outside = frames(&look, 4.0);
         assert_eq!(outside, (1..=8).collect::<Vec<_>>());
+        look.components.environment = true;
+        assert_eq!(frames(&look, 4.0), [0; 0], "negative control: the sky is seen");
+        look.illumination.intensity = 0.0;
+        assert_eq!(frames(&look, 4.0).len(), 8, "a black sky");
         let words = blocked_words(&outside, 8).unwrap();
         assert!(words.contains("at least 8 of 8") && words.contains("from frame 1 to 8"), "{words}");
         assert_eq!(blocked_words(&[], 8), None);
