@@ -59,9 +59,9 @@ mod tests {
         let outside = frames(&look, 4.0);
         assert_eq!(outside, (1..=8).collect::<Vec<_>>());
         look.components.environment = true;
-        assert_eq!(frames(&look, 4.0), [0; 0], "negative control: the sky is seen");
+        assert_eq!(frames(&look, 9.0), [0; 0], "negative control: the sky is seen beside the room");
         look.illumination.intensity = 0.0;
-        assert_eq!(frames(&look, 4.0).len(), 8, "a black sky");
+        assert_eq!(frames(&look, 9.0).len(), 8, "a black sky");
         let words = blocked_words(&outside, 8).unwrap();
         assert!(words.contains("at least 8 of 8") && words.contains("from frame 1 to 8"), "{words}");
         assert_eq!(blocked_words(&[], 8), None);
