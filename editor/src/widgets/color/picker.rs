@@ -28,7 +28,8 @@ pub fn picker_button(ui: &mut Ui, color: &mut Vec3, size: egui::Vec2) -> Respons
     ui.painter().rect(rect, 2.0, shown, outline(ui), StrokeKind::Inside);
     let id = response.id.with("picker");
     let before = *color;
-    Popup::menu(&response).id(id).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+    let popup = Popup::from_toggle_button_response(&response).id(id);
+    popup.close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         contents(ui, id, color);
     });
     if let Some(picked) = eyedropper::picked(ui.ctx(), id) {
