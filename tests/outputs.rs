@@ -43,8 +43,9 @@ const OUTPUTS: [(&str, &str, Kind, &str); 20] = [
 ];
 
 /// Options that name an input; the dataset, the lights and the material are those of many commands.
-const INPUTS: [&str; 13] = [
+const INPUTS: [&str; 14] = [
     "animation",
+    "backplate",
     "file",
     "lights",
     "material",
